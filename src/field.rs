@@ -1,0 +1,12 @@
+//! Light in space: one padded planar [`Grid`] a level, the [`Octree`] of levels, the [`IndexVolume`]
+//! that says which level to sample where, and the [`Channels`] that carry a scene's colours.
+
+mod channels;
+mod grid;
+mod index_volume;
+mod octree;
+
+pub use channels::{Channels, Share};
+pub use grid::{Cell, Grid, Layout};
+pub use index_volume::{IndexVolume, Marks};
+pub use octree::{Levels, Octree, downsample_into, mean_of_children};

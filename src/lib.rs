@@ -1,0 +1,19 @@
+//! lpv-lab: an interactive laboratory for light propagation volumes in an octree.
+//!
+//! The house, each floor using only floors below it:
+//!
+//! | floor | module | what lives there |
+//! |---|---|---|
+//! | 8 | `app`, [`cli`] | the window; the headless commands |
+//! | 7 | [`report`] | glyphs, pictures, plots, tables |
+//! | 6 | [`study`] | questions put to simulations: errors, references, comparisons, benchmarks |
+//! | 5 | [`simulation`] | the stepper: clear, inject, downsample, propagate once, merge |
+//! | 4 | [`scene`] | the preset document, injectors, occluders, cell files |
+//! | 3 | [`propagate`] | what a propagator is, the registry, the loops |
+//! | 2 | [`field`] | grids, octrees, the index volume |
+//! | 1 | [`sh`] | two-band spherical harmonics |
+#![deny(unsafe_code)]
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used))]
+
+pub mod field;
+pub mod sh;
