@@ -19,3 +19,5 @@ pub mod field;
 pub mod propagate;
 pub mod scene;
 pub mod sh;
+pub mod simulation;
+pub mod study;

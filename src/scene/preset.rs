@@ -75,6 +75,8 @@ pub enum Snapshots {
     Thesis,
     /// NVIDIA's sample: S_1 := S_0 + p·P(S_0), so the source is propagated twice; S_1 + … + S_k.
     CopyFirst,
+    /// The light that has moved and no other: S_1 + … + S_k, with S_1 = p·P(S_0) as in the thesis.
+    WithoutInjected,
 }
 
 impl Default for Preset {
