@@ -16,4 +16,5 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used))]
 
 pub mod field;
+pub mod report;
 pub mod sh;
