@@ -5,4 +5,9 @@
 
 pub mod colour;
 pub mod glyph;
+mod legend;
+pub mod number;
+pub mod picture;
+pub mod raster;
 pub mod slice;
+mod svg;
