@@ -16,5 +16,9 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used))]
 
 pub mod field;
+pub mod propagate;
 pub mod report;
+pub mod scene;
 pub mod sh;
+pub mod simulation;
+pub mod study;

@@ -228,11 +228,11 @@ mod tests {
             for (j, coefficient) in lobe.iter().enumerate() {
                 let projected = integrate(|d| n.dot(d).max(0.0) * printed_basis(d)[j]);
                 assert!(
-                    (coefficient - projected).abs() < 2e-5,
+                    (coefficient - projected).abs() < 1e-4,
                     "coefficient {j} about {n}: {coefficient}, {projected}"
                 );
             }
-            assert!((integrate(|d| n.dot(d).max(0.0)) - PI).abs() < 1e-5);
+            assert!((integrate(|d| n.dot(d).max(0.0)) - PI).abs() < 2e-4);
         }
     }
 

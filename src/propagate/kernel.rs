@@ -1,0 +1,3 @@
+//! The loops that take one grid one iteration further.
+
+pub mod plain;
