@@ -17,6 +17,7 @@
 
 pub mod field;
 pub mod propagate;
+pub mod report;
 pub mod scene;
 pub mod sh;
 pub mod simulation;
