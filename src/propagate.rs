@@ -4,5 +4,6 @@
 pub mod cascaded;
 pub mod face;
 pub mod kernel;
+pub mod levels;
 pub mod scheme;
 pub mod stencil;

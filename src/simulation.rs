@@ -6,15 +6,19 @@
 //! - *Clear* makes everything dark and sets the iteration to 0.
 //! - *Inject* adds the scene's light to level 0 of the source, and of the accumulated light where the
 //!   snapshots count the injection; it marks the index volume.
-//! - *Downsample* sets every coarser level of source and accumulated to the mean of its children.
+//! - *Downsample* sets every coarser level of source and accumulated to the mean of its children; with
+//!   consistent levels, to the light that it takes over one step later ([`levels`]).
 //! - *Propagate* takes every level one iteration further: source to target, target added to
 //!   accumulated, then source and target swap.
 //! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell.
+
+mod descent;
 
 use std::fmt;
 
 use crate::field::{Channels, Grid, IndexVolume, Levels, Octree};
 use crate::propagate::kernel::plain;
+use crate::propagate::levels::{self, Policy, TooLarge};
 use crate::propagate::scheme::{self, Scheme};
 use crate::propagate::stencil::Stencil;
 use crate::scene::Scene;
@@ -68,7 +72,7 @@ pub struct Change {
 }
 
 /// A propagation setting that cannot be run.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SimulationError {
     /// No scheme of that name.
     #[error("unknown scheme \"{name}\"; known schemes: {known}")]
@@ -86,6 +90,9 @@ pub enum SimulationError {
         /// The side of the coarsest level.
         coarsest: usize,
     },
+    /// A factor that is too large for the levels' policy.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
 }
 
 /// One channel of light in its three octrees.
@@ -108,6 +115,8 @@ pub struct Simulation<T> {
     sizes: Levels,
     channels: Channels,
     stencils: Vec<Stencil<T>>,
+    /// What light that comes to rest on each level is multiplied with, by band.
+    residences: Vec<[f64; 2]>,
     lights: Vec<Light<T>>,
     index: IndexVolume,
     iteration: usize,
@@ -118,13 +127,22 @@ impl<T: Real> Simulation<T> {
     pub fn new(scene: Scene) -> Result<Self, SimulationError> {
         let sizes = Levels::new(scene.size, scene.coarsest)
             .ok_or(SimulationError::Sizes { size: scene.size, coarsest: scene.coarsest })?;
-        let stencils = stencils(&scene.propagation, sizes)?;
+        let (stencils, residences) = operators(&scene.propagation, sizes)?;
         let colors: Vec<[f64; 3]> = scene.sources.iter().map(|source| source.color).collect();
         let channels = Channels::of_colors(&colors);
         let dark = || Octree::new(sizes);
         let light = || Light { source: dark(), target: dark(), accumulated: dark(), merged: None };
         let lights = (0..channels.count()).map(|_| light()).collect();
-        Ok(Simulation { scene, sizes, channels, stencils, lights, index: IndexVolume::new(sizes), iteration: 0 })
+        Ok(Simulation {
+            scene,
+            sizes,
+            channels,
+            stencils,
+            residences,
+            lights,
+            index: IndexVolume::new(sizes),
+            iteration: 0,
+        })
     }
 
     /// The scene that is simulated.
@@ -159,7 +177,7 @@ impl<T: Real> Simulation<T> {
 
     /// Takes other settings for the iterations to come; the light stays as it is.
     pub fn set_propagation(&mut self, propagation: Propagation) -> Result<(), SimulationError> {
-        self.stencils = stencils(&propagation, self.sizes)?;
+        (self.stencils, self.residences) = operators(&propagation, self.sizes)?;
         self.scene.propagation = propagation;
         Ok(())
     }
@@ -254,9 +272,14 @@ impl<T: Real> Simulation<T> {
     }
 
     fn downsample(&mut self) {
+        if self.scene.propagation.levels == Policy::Consistent {
+            self.hand_down();
+        }
         for light in &mut self.lights {
-            light.source.downsample();
-            light.accumulated.downsample();
+            if self.scene.propagation.levels == Policy::Same {
+                light.source.downsample();
+                light.accumulated.downsample();
+            }
             for i in 1..self.sizes.count() {
                 self.index.level_mut(i).mark_lit(light.source.level(i));
                 self.index.level_mut(i).mark_lit(light.accumulated.level(i));
@@ -289,11 +312,15 @@ impl<T: Real> Simulation<T> {
     }
 }
 
-/// The operator of every level.
-fn stencils<T: Real>(propagation: &Propagation, sizes: Levels) -> Result<Vec<Stencil<T>>, SimulationError> {
+/// The stencil of every level, and its residence.
+fn operators<T: Real>(
+    propagation: &Propagation,
+    sizes: Levels,
+) -> Result<(Vec<Stencil<T>>, Vec<[f64; 2]>), SimulationError> {
+    let Propagation { factor, clamp, levels, .. } = *propagation;
     let scheme = known_scheme(&propagation.scheme)?;
-    let stencil = Stencil::new(&scheme, propagation.factor, propagation.clamp);
-    Ok(vec![stencil; sizes.count()])
+    let operators = levels::operators(&scheme, factor, clamp, levels, sizes.count())?;
+    Ok(operators.into_iter().map(|operator| (operator.stencil, operator.residence)).unzip())
 }
 
 /// The scheme of that name, or an error that names those there are.
