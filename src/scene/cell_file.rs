@@ -7,7 +7,8 @@
 //! - `x,y,z,a0,a1,a2,a3`: an accumulated or merged grid alone;
 //! - `x,y,z,c0,c1,c2,c3`: any light.
 //!
-//! A `.npy` file holds every cell; see [`npy`](super::npy).
+//! A `.npy` file holds every cell: an array of shape (n, n, n, 4), C order, indexed [z, y, x], with the same
+//! coefficients as f4 or f8 of either endianness. What is written is little-endian f4.
 
 use std::io::{self, Write};
 use std::path::Path;
