@@ -109,6 +109,8 @@ impl Default for Propagation {
 impl Preset {
     /// Reads a preset's text; `name` is the file that errors name.
     pub fn parse(text: &str, name: &Path) -> Result<Self, SceneError> {
+        // Some editors begin a text with a byte order mark.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let preset: Preset = dialect().from_str(text).map_err(|error| syntax::error(error, text, name))?;
         preset.check().map_err(|problem| place::at_its_place(problem, text, name))?;
         Ok(preset)
