@@ -269,30 +269,37 @@ mod tests {
         }
     }
 
-    /// Every place, in pixels, that paths of one fill go through.
-    fn places(svg: &str, fill: Rgb) -> Vec<[f64; 2]> {
+    /// The middle of the first shape of a colour, in pixels.
+    fn middle(svg: &str, fill: Rgb) -> [f64; 2] {
         let document = Document::parse(svg).unwrap();
-        let shapes = document.descendants().filter(|n| n.attribute("fill") == Some(&fill.css()));
-        let paths = shapes.filter_map(|n| n.attribute("d"));
-        let points = paths.flat_map(|d| d.split(['M', 'L', 'Z']).map(str::to_owned).collect::<Vec<_>>());
-        points.filter_map(|p| p.split_once(' ').map(|(x, y)| [x.parse().unwrap(), y.parse().unwrap()])).collect()
+        let shape = document.descendants().find(|n| n.has_tag_name("path") && n.attribute("fill") == Some(&fill.css()));
+        let points: Vec<[f64; 2]> = shape.and_then(|n| n.attribute("d")).unwrap()[1..]
+            .trim_end_matches('Z')
+            .split('L')
+            .map(|p| p.split_once(' ').map(|(x, y)| [x.parse().unwrap(), y.parse().unwrap()]).unwrap())
+            .collect();
+        [0, 1].map(|c| points.iter().map(|p| p[c]).sum::<f64>() / points.len() as f64)
     }
 
     #[test]
     fn a_lobe_is_drawn_in_its_cell_towards_its_light() {
         for (direction, to) in [(DVec3::X, [1.0, 0.0]), (DVec3::Y, [0.0, -1.0])] {
             let slice = lone_lobe(direction);
-            let mut one = picture(vec![Panel::fitted("Source", &slice, Hue::Mean, None)]);
-            // A colour that the legend does not use.
-            one.theme.negative = Rgb::hex(0x123456);
-            let svg = one.to_svg();
-            let negative = places(&svg, Rgb::hex(0x123456));
-            // The lobe's own back lies on the other side of where the light goes.
-            let middle = negative.iter().take(40).fold([0.0; 2], |m, p| [m[0] + p[0] / 40.0, m[1] + p[1] / 40.0]);
-            let positive = places(&svg, one.theme.glyph);
-            let centre = positive.iter().take(40).fold([0.0; 2], |m, p| [m[0] + p[0] / 40.0, m[1] + p[1] / 40.0]);
-            let along = (centre[0] - middle[0]) * to[0] + (centre[1] - middle[1]) * to[1];
-            assert!(along > 5.0, "{direction}: {centre:?} {middle:?}");
+            let picture = picture(vec![Panel::fitted("Source", &slice, Hue::Mean, None)]);
+            let svg = picture.to_svg();
+            let (front, back) = (middle(&svg, picture.theme.glyph), middle(&svg, picture.theme.negative));
+            let along = (front[0] - back[0]) * to[0] + (front[1] - back[1]) * to[1];
+            assert!(along > 5.0, "{direction}: {front:?} {back:?}");
+            // Cell (2, 5) of 8: beside the labels of its column and row.
+            let document = Document::parse(&svg).unwrap();
+            let label = |name: &str, anchor: &str| -> f64 {
+                let labels = document.descendants().filter(|n| n.attribute("text-anchor") == Some(anchor));
+                let found = labels.clone().find(|n| n.text() == Some(name)).unwrap();
+                found.attribute(if anchor == "middle" { "x" } else { "y" }).unwrap().parse().unwrap()
+            };
+            let cell = label("3", "middle") - label("2", "middle");
+            assert!((front[0] - label("2", "middle")).abs() < cell / 2.0);
+            assert!((label("5", "end") - front[1]).abs() < cell / 2.0);
         }
     }
 
