@@ -67,6 +67,9 @@ pub(super) struct Seen {
 /// Thinner cells than this, in pixels, get no lines between them.
 const SMALLEST_RULED_CELL: f64 = 5.0;
 
+/// Glyphs of smaller radius than this, in pixels, are not drawn.
+const SMALLEST_GLYPH: f32 = 0.2;
+
 /// Negative lobes of smaller radius than this, where the cell's side is 1, need no word in the legend.
 const SMALLEST_EXPLAINED_LOBE: f32 = 0.01;
 
@@ -152,10 +155,11 @@ impl Picture<'_> {
                 lines.to(frame.place([at[0] + span, at[1]]));
             }
             let peak = glyph::peak(light, axis);
-            let share = if peak > 0.0 { panel.scale.share(peak, brightest).min(1.0) } else { 0.0 };
-            if share * glyph::FULL_RADIUS * (frame.pixels(span) as f32) < 0.2 {
+            let radius = glyph::FULL_RADIUS * panel.scale.share(peak, peak).min(1.0);
+            if peak <= 0.0 || radius * (frame.pixels(span) as f32) < SMALLEST_GLYPH {
                 continue;
             }
+            let share = panel.scale.share(peak, brightest).min(1.0);
             glyphs.outline(light, &mut outline);
             let [column, row] = cell.centre().map(f64::from);
             let place = |p: &[f32; 2]| frame.place([column + span * f64::from(p[0]), row + span * f64::from(p[1])]);
