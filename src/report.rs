@@ -14,3 +14,4 @@ pub mod plot;
 pub mod raster;
 pub mod slice;
 mod svg;
+pub mod table;
