@@ -66,7 +66,8 @@ impl<'a> Legend<'a> {
         let mut rows: Vec<Vec<(f64, usize)>> = vec![Vec::new()];
         let mut x = 0.0;
         for (i, (sign, text)) in self.items.iter().enumerate() {
-            let wide = self.sign_width(*sign) + text_width(text, self.em) + 1.8 * self.em;
+            // With room for a reader whose font is wider than ours.
+            let wide = self.sign_width(*sign) + 1.12 * text_width(text, self.em) + 1.5 * self.em;
             if x > 0.0 && x + wide > self.width {
                 rows.push(Vec::new());
                 x = 0.0;

@@ -71,7 +71,7 @@ const SMALLEST_RULED_CELL: f64 = 5.0;
 const SMALLEST_GLYPH: f32 = 0.2;
 
 /// Negative lobes of smaller radius than this, where the cell's side is 1, need no word in the legend.
-const SMALLEST_EXPLAINED_LOBE: f32 = 0.01;
+const SMALLEST_EXPLAINED_LOBE: f32 = 0.03;
 
 impl Picture<'_> {
     /// The picture as SVG.
