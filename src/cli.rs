@@ -92,6 +92,14 @@ impl From<crate::simulation::SimulationError> for CliError {
     }
 }
 
+/// What clap says of wrong arguments, in one line: its first paragraph.
+pub fn in_one_line(error: &clap::Error) -> String {
+    let text = error.to_string();
+    let paragraph: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
+    let said = paragraph.join(" ");
+    format!("{}; see `lpv-lab --help`", said.strip_prefix("error: ").unwrap_or(&said))
+}
+
 /// Does a headless command.
 pub fn execute(command: Command) -> Result<(), CliError> {
     match command {

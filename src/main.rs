@@ -11,7 +11,15 @@ const DEFAULT_PRESET: &str = "two-walls";
 
 fn main() -> ExitCode {
     env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("error")).init();
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) if error.use_stderr() => {
+            eprintln!("lpv-lab: {}", cli::in_one_line(&error));
+            return ExitCode::from(cli::WRONG_INPUT);
+        }
+        // Help and the version are no errors, though they come as such.
+        Err(help) => help.exit(),
+    };
     let done = match cli.command {
         Some(command) => cli::execute(command),
         None => open(cli.preset.unwrap_or_else(|| PathBuf::from(DEFAULT_PRESET))),
