@@ -17,4 +17,7 @@
 
 pub mod field;
 pub mod propagate;
+pub mod scene;
 pub mod sh;
+pub mod simulation;
+pub mod study;
