@@ -17,4 +17,5 @@
 
 pub mod field;
 pub mod propagate;
+pub mod report;
 pub mod sh;
