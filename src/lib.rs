@@ -18,4 +18,5 @@
 pub mod field;
 pub mod propagate;
 pub mod report;
+pub mod scene;
 pub mod sh;

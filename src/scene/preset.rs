@@ -1,0 +1,219 @@
+//! The preset: a RON document that says all there is to say about a run. The window edits and saves
+//! it, the command line runs it.
+
+use std::path::Path;
+
+use ron::extensions::Extensions;
+use ron::ser::PrettyConfig;
+use serde::{Deserialize, Deserializer, Serialize};
+
+use super::error::{Problem, SceneError, Step};
+use super::injector::Injector;
+use super::occluder::{Occluder, Occlusion};
+use super::{file, place, syntax};
+
+/// The version of the document that this library reads and writes.
+pub const VERSION: u32 = 1;
+/// The largest side of a volume: its cells alone take 16 GiB a grid.
+pub const LARGEST: usize = 1024;
+/// The most iterations of one run.
+pub const MOST_ITERATIONS: usize = 1_000_000;
+/// The longest preset file, in bytes.
+pub const LONGEST: u64 = 4 << 20;
+
+/// A preset. Fields left out take the defaults given here, which are also those of [`Preset::default`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Preset {
+    /// The document's version, 1. It must be given.
+    #[serde(deserialize_with = "known_version")]
+    pub version: u32,
+    /// What people see; empty.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub title: String,
+    /// Cells along a side of the volume, n: a power of two up to [`LARGEST`]; 32.
+    #[serde(default = "default_size")]
+    pub size: usize,
+    /// The side of the coarsest level: a power of two up to `size`; 1. The thesis's GPU version had 2.
+    #[serde(default = "one", skip_serializing_if = "is_one_cell")]
+    pub coarsest: usize,
+    /// Where light comes from. Several may meet in a cell: they add.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub injectors: Vec<Injector>,
+    /// What stands in light's way. Where they overlap the later one counts.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub occluders: Vec<Occluder>,
+    /// How occluders act.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub occlusion: Occlusion,
+    /// How light is propagated.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub propagation: Propagation,
+}
+
+/// How light is propagated.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Propagation {
+    /// The propagator's name, as `lpv-lab schemes` lists it; `cascaded`.
+    pub scheme: String,
+    /// The propagation factor p, finite, ≥ 0; 3. With `cascaded` 4 keeps the energy (000, 3.2.3).
+    pub factor: f64,
+    /// Iterations of a whole run, up to [`MOST_ITERATIONS`]; 16.
+    pub iterations: usize,
+    /// What is summed; `Thesis`.
+    pub snapshots: Snapshots,
+    /// Whether negative flux counts as none; true. Off, every iteration is linear.
+    pub clamp: bool,
+}
+
+/// What the accumulated grid sums, and what the first iteration sends on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Snapshots {
+    /// S_0 + … + S_k (000, 3.2.3).
+    #[default]
+    Thesis,
+    /// NVIDIA's sample: S_1 := S_0 + p·P(S_0), so the source is propagated twice; S_1 + … + S_k.
+    CopyFirst,
+}
+
+impl Default for Preset {
+    fn default() -> Self {
+        Preset {
+            version: VERSION,
+            title: String::new(),
+            size: default_size(),
+            coarsest: one(),
+            injectors: Vec::new(),
+            occluders: Vec::new(),
+            occlusion: Occlusion::default(),
+            propagation: Propagation::default(),
+        }
+    }
+}
+
+impl Default for Propagation {
+    fn default() -> Self {
+        Propagation {
+            scheme: "cascaded".to_owned(),
+            factor: 3.0,
+            iterations: 16,
+            snapshots: Snapshots::Thesis,
+            clamp: true,
+        }
+    }
+}
+
+impl Preset {
+    /// Reads a preset's text; `name` is the file that errors name.
+    pub fn parse(text: &str, name: &Path) -> Result<Self, SceneError> {
+        let preset: Preset = dialect().from_str(text).map_err(|error| syntax::error(error, name))?;
+        preset.check().map_err(|problem| place::at_its_place(problem, text, name))?;
+        Ok(preset)
+    }
+
+    /// Reads a preset from a file of at most [`LONGEST`] bytes.
+    pub fn load(path: &Path) -> Result<Self, SceneError> {
+        Self::parse(&file::read_text(path, LONGEST)?, path)
+    }
+
+    /// The preset as text that [`Preset::parse`] reads back equal. Fields that hold their defaults are left
+    /// out, and the same preset always gives the same text.
+    pub fn to_ron(&self) -> String {
+        let layout = PrettyConfig::new().new_line("\n").depth_limit(2);
+        // Writing numbers and strings to a String has no way to fail.
+        let body = dialect().to_string_pretty(self, layout).unwrap_or_default();
+        body + "\n"
+    }
+
+    /// Writes the preset to a file, all or nothing: whatever happens, the file holds the old text or the new.
+    pub fn save(&self, path: &Path) -> Result<(), SceneError> {
+        file::write_whole(path, self.to_ron().as_bytes())
+    }
+
+    /// Whether every value is one that can be run; [`Preset::parse`] applies the same rules.
+    pub fn check(&self) -> Result<(), Problem> {
+        if self.version != VERSION {
+            return Err(wrong_version(self.version).field("version"));
+        }
+        check_size(self.size).map_err(|p| p.field("size"))?;
+        if !self.coarsest.is_power_of_two() || self.coarsest > self.size {
+            let what = format!("the coarsest level cannot have side {}", self.coarsest);
+            let remedy = format!("it is a power of two from 1 to {}", self.size);
+            return Err(Problem::new(what, remedy).field("coarsest"));
+        }
+        for (i, injector) in self.injectors.iter().enumerate() {
+            injector.check(self.size).map_err(|p| p.within(Step::Item(i)).field("injectors"))?;
+        }
+        for (i, occluder) in self.occluders.iter().enumerate() {
+            occluder.check(self.size).map_err(|p| p.within(Step::Item(i)).field("occluders"))?;
+        }
+        self.occlusion.check().map_err(|p| p.field("occlusion"))?;
+        self.propagation.check().map_err(|p| p.field("propagation"))
+    }
+}
+
+impl Propagation {
+    fn check(&self) -> Result<(), Problem> {
+        if self.scheme.trim().is_empty() {
+            return Err(Problem::new("the scheme has no name", "write `cascaded`").field("scheme"));
+        }
+        not_negative(self.factor, "the factor").map_err(|p| p.field("factor"))?;
+        if self.iterations > MOST_ITERATIONS {
+            let what = format!("{} iterations are too many", self.iterations);
+            return Err(Problem::new(what, format!("at most {MOST_ITERATIONS} are run")).field("iterations"));
+        }
+        Ok(())
+    }
+}
+
+/// Checks that a number is finite and not below zero; `what` names it.
+pub(super) fn not_negative(value: f64, what: &str) -> Result<(), Problem> {
+    if value.is_finite() && value >= 0.0 {
+        return Ok(());
+    }
+    Err(Problem::new(format!("{what} is {value}"), "write a finite number, zero or more"))
+}
+
+/// RON with `direction: (1, 0, 0)` for a direction that may be left out.
+fn dialect() -> ron::Options {
+    // A preset is six brackets deep at most; the limit keeps a hostile one off the stack.
+    ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME).with_recursion_limit(32)
+}
+
+/// Refuses another version while reading, before any field that only that version knows.
+fn known_version<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
+    let version = u32::deserialize(deserializer)?;
+    if version == VERSION { Ok(version) } else { Err(serde::de::Error::custom(wrong_version(version))) }
+}
+
+fn wrong_version(version: u32) -> Problem {
+    Problem::new(format!("version {version} is not known here"), format!("this program reads `version: {VERSION}`"))
+}
+
+fn check_size(size: usize) -> Result<(), Problem> {
+    if size.is_power_of_two() && size <= LARGEST {
+        return Ok(());
+    }
+    let inside = size.clamp(1, LARGEST);
+    let above = inside.next_power_of_two();
+    let nearest = if inside - above / 2 < above - inside { above / 2 } else { above };
+    let remedy = format!("it is a power of two from 1 to {LARGEST}; the nearest is {nearest}");
+    Err(Problem::new(format!("the size cannot be {size}"), remedy))
+}
+
+fn default_size() -> usize {
+    32
+}
+
+fn one() -> usize {
+    1
+}
+
+fn is_one_cell(n: &usize) -> bool {
+    *n == 1
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
