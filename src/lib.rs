@@ -20,3 +20,5 @@ pub mod propagate;
 pub mod report;
 pub mod scene;
 pub mod sh;
+pub mod simulation;
+pub mod study;

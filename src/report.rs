@@ -3,6 +3,14 @@
 //! Everything here is pure: values in, outlines, text or bytes out. The window draws the same
 //! [`slice`], [`glyph`] and [`colour`] with its own meshes.
 
+mod axis;
 pub mod colour;
+pub mod error_plot;
 pub mod glyph;
+mod legend;
+pub mod number;
+pub mod picture;
+pub mod plot;
+pub mod raster;
 pub mod slice;
+mod svg;

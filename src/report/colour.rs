@@ -9,7 +9,7 @@ use super::slice::Axis;
 use crate::sh::Sh;
 
 /// An opaque colour, sRGB.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Rgb(pub [u8; 3]);
 
 impl Rgb {
@@ -128,6 +128,16 @@ impl Paint {
             Paint::Light => of_light(theme, light),
             Paint::Direction => of_direction(theme, shown, axis),
             Paint::Intensity => of_intensity(theme, share),
+        }
+    }
+
+    /// The colour of negative lobes: one that no glyph of this paint has.
+    pub fn negative(self, theme: &Theme) -> Rgb {
+        match self {
+            Paint::Single | Paint::Intensity => theme.negative,
+            // White light is white on dark ground and grey on light ground.
+            Paint::Light if theme.dark => theme.muted,
+            Paint::Light | Paint::Direction => theme.ink,
         }
     }
 }

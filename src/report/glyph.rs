@@ -75,14 +75,14 @@ pub enum GlyphScale {
 }
 
 impl GlyphScale {
-    /// The radius of an intensity in a glyph whose largest intensity is `peak`; not yet limited to the cell.
-    fn radius(self, intensity: f32, peak: f32) -> f32 {
-        FULL_RADIUS
-            * match self {
-                GlyphScale::Linear { full } => intensity / full,
-                GlyphScale::Log { full, decades } => (1.0 + (intensity / full).log10() / decades).max(0.0),
-                GlyphScale::PerGlyph => intensity / peak,
-            }
+    /// An intensity as a share of a full glyph's radius: 0 for none, above 1 where it would leave its
+    /// cell. `brightest` is the intensity that fills a cell where the scale itself sets none.
+    pub fn share(self, intensity: f32, brightest: f32) -> f32 {
+        match self {
+            GlyphScale::Linear { full } => intensity / full,
+            GlyphScale::Log { full, decades } => (1.0 + (intensity / full).log10() / decades).max(0.0),
+            GlyphScale::PerGlyph => intensity / brightest,
+        }
     }
 }
 
@@ -141,6 +141,11 @@ pub fn peak(light: Sh<f32>, axis: Axis) -> f32 {
     Lobes::of(light, axis).peak()
 }
 
+/// The mean intensity over the whole sphere, per steradian.
+pub fn mean(light: Sh<f32>) -> f32 {
+    K0 as f32 * light.0[0]
+}
+
 /// Turns SH vectors into outlines, all with the same cut, scale and number of points.
 #[derive(Clone, Debug)]
 pub struct Glyphs {
@@ -176,7 +181,7 @@ impl Glyphs {
             return;
         }
         // A peak that fills its cell may overshoot by a rounding error; that clips nothing.
-        out.clipped = self.scale.radius(peak, peak) > FULL_RADIUS * 1.0001;
+        out.clipped = self.scale.share(peak, peak) > 1.0001;
         // f falls all the way from the peak to the opposite direction, so each sign is one run of samples.
         let half = self.turn.len() / 2;
         let f = |k: usize| lobes.mean + lobes.swing * self.turn[k][0];
@@ -196,7 +201,7 @@ impl Glyphs {
         out.extend((from..from + count).map(|k| {
             let [cos, sin] = self.turn[k % points];
             let intensity = (lobes.mean + lobes.swing * cos).abs();
-            let radius = self.scale.radius(intensity, lobes.peak()).min(FULL_RADIUS);
+            let radius = FULL_RADIUS * self.scale.share(intensity, lobes.peak()).min(1.0);
             [radius * (cos * right - sin * up), radius * (cos * up + sin * right)]
         }));
         if count > 0 && !all_round {

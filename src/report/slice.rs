@@ -169,6 +169,12 @@ impl Slice {
         Slice { plane, side, cells, borders: levels.borders() }
     }
 
+    /// The side of the cells that its axes count, in finest cells: that of its level, 1 for merged light.
+    pub fn unit(&self) -> usize {
+        let same = |cell: &&SliceCell| self.cells.iter().all(|other| other.span == cell.span);
+        self.cells.first().filter(same).map_or(1, |cell| cell.span)
+    }
+
     /// The sample drawn at a finest cell, (column, row), or `None` outside the slice.
     pub fn at(&self, [column, row]: [usize; 2]) -> Option<&SliceCell> {
         let covers = |from: usize, span: usize, at: usize| (from..from + span).contains(&at);

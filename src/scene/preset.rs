@@ -75,6 +75,8 @@ pub enum Snapshots {
     Thesis,
     /// NVIDIA's sample: S_1 := S_0 + p·P(S_0), so the source is propagated twice; S_1 + … + S_k.
     CopyFirst,
+    /// The light that has moved and no other: S_1 + … + S_k, with S_1 = p·P(S_0) as in the thesis.
+    WithoutInjected,
 }
 
 impl Default for Preset {
@@ -107,7 +109,9 @@ impl Default for Propagation {
 impl Preset {
     /// Reads a preset's text; `name` is the file that errors name.
     pub fn parse(text: &str, name: &Path) -> Result<Self, SceneError> {
-        let preset: Preset = dialect().from_str(text).map_err(|error| syntax::error(error, name))?;
+        // Some editors begin a text with a byte order mark.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let preset: Preset = dialect().from_str(text).map_err(|error| syntax::error(error, text, name))?;
         preset.check().map_err(|problem| place::at_its_place(problem, text, name))?;
         Ok(preset)
     }

@@ -1,0 +1,89 @@
+//! Numbers as a reader of a paper wants them: few digits, powers of ten with raised exponents.
+
+/// An exponent in raised digits: −3 is `⁻³`.
+pub fn raised(exponent: i32) -> String {
+    let raise = |digit| match digit {
+        '-' => '⁻',
+        '1' => '¹',
+        '2' => '²',
+        '3' => '³',
+        '4' => '⁴',
+        '5' => '⁵',
+        '6' => '⁶',
+        '7' => '⁷',
+        '8' => '⁸',
+        '9' => '⁹',
+        _ => '⁰',
+    };
+    exponent.to_string().chars().map(raise).collect()
+}
+
+/// A power of ten: `10⁻³`; the first and zeroth are written out.
+pub fn power_of_ten(exponent: i32) -> String {
+    match exponent {
+        0 => "1".to_owned(),
+        1 => "10".to_owned(),
+        _ => format!("10{}", raised(exponent)),
+    }
+}
+
+/// A number in `digits` significant digits (at least 1), trailing zeros left out: `0.031`, `2.5×10⁻⁵`, `−12`.
+pub fn short(value: f64, digits: usize) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !value.is_finite() {
+        return if value.is_nan() { "undefined" } else { "∞" }.to_owned();
+    }
+    let sign = if value < 0.0 { "−" } else { "" };
+    let digits = digits.max(1);
+    // Rounded first, so that 0.9996 in three digits is 1.
+    let rounded = format!("{:.*e}", digits - 1, value.abs());
+    let Some((mantissa, exponent)) = rounded.split_once('e') else { return rounded };
+    let exponent: i32 = exponent.parse().unwrap_or_default();
+    if (-3..5).contains(&exponent) {
+        let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
+        let rounded: f64 = rounded.parse().unwrap_or_default();
+        format!("{sign}{}", trimmed(&format!("{rounded:.decimals$}")))
+    } else {
+        match trimmed(mantissa) {
+            "1" => format!("{sign}{}", power_of_ten(exponent)),
+            mantissa => format!("{sign}{mantissa}×{}", power_of_ten(exponent)),
+        }
+    }
+}
+
+fn trimmed(number: &str) -> &str {
+    if number.contains('.') { number.trim_end_matches('0').trim_end_matches('.') } else { number }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_right() {
+        for (value, digits, expected) in [
+            (0.0, 2, "0"),
+            (1.0, 2, "1"),
+            (100.0, 2, "100"),
+            (0.031_4, 2, "0.031"),
+            (0.3, 3, "0.3"),
+            (0.999_6, 3, "1"),
+            (-12.04, 3, "−12"),
+            (123.4, 2, "120"),
+            (2.5e-5, 2, "2.5×10⁻⁵"),
+            (1e-7, 3, "10⁻⁷"),
+            (-6.02e23, 3, "−6.02×10²³"),
+            (f64::NAN, 2, "undefined"),
+        ] {
+            assert_eq!(short(value, digits), expected, "{value} in {digits}");
+        }
+    }
+
+    #[test]
+    fn exponents_are_raised() {
+        assert_eq!(power_of_ten(-10), "10⁻¹⁰");
+        assert_eq!((power_of_ten(0), power_of_ten(1)), ("1".to_owned(), "10".to_owned()));
+    }
+}

@@ -1,0 +1,3 @@
+//! Questions put to simulations.
+
+pub mod error;
