@@ -15,8 +15,10 @@
 #![deny(unsafe_code)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used))]
 
+pub mod cli;
 pub mod field;
 pub mod propagate;
+pub mod report;
 pub mod scene;
 pub mod sh;
 pub mod simulation;
