@@ -2,10 +2,12 @@
 //! loops that apply one to a grid.
 
 pub mod axial;
+pub mod barrier;
 pub mod blog;
 pub mod cascaded;
 pub mod cone;
 pub mod face;
+pub mod geometry;
 pub mod kernel;
 pub mod reflective;
 pub mod scheme;

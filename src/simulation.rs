@@ -9,11 +9,15 @@
 //! - *Downsample* sets every coarser level of source and accumulated to the mean of its children.
 //! - *Propagate* takes every level one iteration further: source to target, target added to
 //!   accumulated, then source and target swap.
-//! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell.
+//! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell. A cell that hard
+//!   occluders let no light enter is sampled at level 0, where it holds what was injected there, if anything.
+
+mod occlusion;
 
 use std::fmt;
 
 use crate::field::{Channels, Grid, IndexVolume, Levels, Octree};
+use crate::propagate::kernel::occluded::{Occluders, Which};
 use crate::propagate::kernel::plain;
 use crate::propagate::scheme::{self, Scheme};
 use crate::propagate::stencil::Stencil;
@@ -108,6 +112,8 @@ pub struct Simulation<T> {
     sizes: Levels,
     channels: Channels,
     stencils: Vec<Stencil<T>>,
+    /// With the first iteration in which they act.
+    occluders: Option<(Occluders<T>, usize)>,
     lights: Vec<Light<T>>,
     index: IndexVolume,
     iteration: usize,
@@ -118,13 +124,15 @@ impl<T: Real> Simulation<T> {
     pub fn new(scene: Scene) -> Result<Self, SimulationError> {
         let sizes = Levels::new(scene.size, scene.coarsest)
             .ok_or(SimulationError::Sizes { size: scene.size, coarsest: scene.coarsest })?;
-        let stencils = stencils(&scene.propagation, sizes)?;
-        let colors: Vec<[f64; 3]> = scene.sources.iter().map(|source| source.color).collect();
-        let channels = Channels::of_colors(&colors);
+        let scheme = known_scheme(&scene.propagation.scheme)?;
+        let stencils = stencils(&scheme, &scene.propagation, sizes);
+        let occluders = occlusion::occluders(&scene, sizes, &scheme);
+        let channels = occlusion::channels(&scene);
         let dark = || Octree::new(sizes);
         let light = || Light { source: dark(), target: dark(), accumulated: dark(), merged: None };
         let lights = (0..channels.count()).map(|_| light()).collect();
-        Ok(Simulation { scene, sizes, channels, stencils, lights, index: IndexVolume::new(sizes), iteration: 0 })
+        let index = IndexVolume::new(sizes);
+        Ok(Simulation { scene, sizes, channels, stencils, occluders, lights, index, iteration: 0 })
     }
 
     /// The scene that is simulated.
@@ -159,7 +167,11 @@ impl<T: Real> Simulation<T> {
 
     /// Takes other settings for the iterations to come; the light stays as it is.
     pub fn set_propagation(&mut self, propagation: Propagation) -> Result<(), SimulationError> {
-        self.stencils = stencils(&propagation, self.sizes)?;
+        let scheme = known_scheme(&propagation.scheme)?;
+        self.stencils = stencils(&scheme, &propagation, self.sizes);
+        if propagation.scheme != self.scene.propagation.scheme {
+            self.occluders = occlusion::occluders(&self.scene, self.sizes, &scheme);
+        }
         self.scene.propagation = propagation;
         Ok(())
     }
@@ -266,10 +278,15 @@ impl<T: Real> Simulation<T> {
 
     fn propagate(&mut self) {
         let keep_source = self.iteration == 0 && self.scene.propagation.snapshots == Snapshots::CopyFirst;
-        for light in &mut self.lights {
+        let occluders = self.occluders.as_ref().filter(|(_, from)| self.iteration + 1 >= *from).map(|(o, _)| o);
+        for (colour, light) in self.lights.iter_mut().enumerate() {
             for (i, stencil) in self.stencils.iter().enumerate() {
                 let (source, target) = (light.source.level(i), light.target.level_mut(i));
-                plain::propagate(stencil, source, target);
+                match occluders {
+                    // Where albedos have colours each channel is one; where not, any colour will do.
+                    Some(occluders) => occluders.propagate(stencil, Which { level: i, colour }, source, target),
+                    None => plain::propagate(stencil, source, target),
+                }
                 if keep_source {
                     target.add_grid(source);
                 }
@@ -285,15 +302,17 @@ impl<T: Real> Simulation<T> {
         for light in &mut self.lights {
             let merged = light.merged.get_or_insert_with(|| Grid::new(self.sizes.finest()));
             self.index.merge(&light.accumulated, merged);
+            if let Some((Occluders::Hard(hard), _)) = &self.occluders {
+                let finest = light.accumulated.level(0);
+                hard.barrier.shut().for_each(|cell| merged.set(cell, finest.get(cell)));
+            }
         }
     }
 }
 
 /// The operator of every level.
-fn stencils<T: Real>(propagation: &Propagation, sizes: Levels) -> Result<Vec<Stencil<T>>, SimulationError> {
-    let scheme = known_scheme(&propagation.scheme)?;
-    let stencil = Stencil::new(&scheme, propagation.factor, propagation.clamp);
-    Ok(vec![stencil; sizes.count()])
+fn stencils<T: Real>(scheme: &Scheme, propagation: &Propagation, sizes: Levels) -> Vec<Stencil<T>> {
+    vec![Stencil::new(scheme, propagation.factor, propagation.clamp); sizes.count()]
 }
 
 /// The scheme of that name, or an error that names those there are.
