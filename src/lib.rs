@@ -17,6 +17,7 @@
 
 #[cfg(feature = "app")]
 pub mod app;
+pub mod cli;
 pub mod field;
 pub mod propagate;
 pub mod report;

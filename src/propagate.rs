@@ -1,8 +1,12 @@
 //! How light moves from cell to cell: what a propagation scheme is, the schemes themselves, and the
 //! loops that apply one to a grid.
 
+pub mod axial;
+pub mod blog;
 pub mod cascaded;
+pub mod cone;
 pub mod face;
 pub mod kernel;
+pub mod reflective;
 pub mod scheme;
 pub mod stencil;

@@ -3,6 +3,7 @@
 //! [`preset`] is the document that people write and the window edits; [`Scene::build`] checks it, reads the
 //! files it names and lists the light and the occupied cells.
 
+pub mod builtin;
 pub mod cell_file;
 pub mod error;
 pub mod file;
@@ -103,16 +104,30 @@ impl Scene {
         })
     }
 
+    /// The slab of cells across an axis (0 for x) into which most light is injected; among equals the one
+    /// nearest the middle.
+    pub fn brightest_slab(&self, axis: usize) -> usize {
+        let mut energy = vec![0.0; self.size];
+        for source in &self.sources {
+            let weight: f64 = source.color.iter().sum();
+            for (cell, light) in &source.light {
+                energy[cell[axis]] += weight * light.0[0];
+            }
+        }
+        let most = energy.iter().copied().fold(0.0, f64::max);
+        let middle = self.size / 2;
+        // A hair's breadth of rounding must not decide between slabs that are meant to be equal.
+        let nearest = (0..self.size).filter(|&i| energy[i] >= most * (1.0 - 1e-9)).min_by_key(|&i| i.abs_diff(middle));
+        nearest.unwrap_or(middle)
+    }
+
     /// Reads a preset from a file and resolves it; errors tell the place in the file.
     pub fn load(path: &Path) -> Result<(Preset, Scene), SceneError> {
         let text = file::read_text(path, preset::LONGEST)?;
         let preset = Preset::parse(&text, path)?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        match Scene::build(&preset, folder) {
-            Ok(scene) => Ok((preset, scene)),
-            Err(SceneError::Document(problem)) => Err(place::at_its_place(problem, &text, path)),
-            Err(error) => Err(error),
-        }
+        let scene = Scene::build(&preset, folder).map_err(|error| error.at_its_place(&text, path))?;
+        Ok((preset, scene))
     }
 }
 

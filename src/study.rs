@@ -1,3 +1,4 @@
 //! Questions put to simulations.
 
 pub mod error;
+pub mod stability;

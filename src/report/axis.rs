@@ -92,7 +92,7 @@ impl Axis {
             let name = || if decades == 1 { short(decade, 1) } else { power_of_ten(exponent) };
             let label = ((exponent - low) % every == 0).then(name);
             ticks.push(Tick { value: decade, label });
-            if decades <= 5 && exponent < high {
+            if decades <= 3 && exponent < high {
                 ticks.extend((2..10).map(|m| {
                     let label = decades == 1 && (m == 2 || m == 5);
                     let value = f64::from(m) * decade;

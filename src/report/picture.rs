@@ -67,8 +67,11 @@ pub(super) struct Seen {
 /// Thinner cells than this, in pixels, get no lines between them.
 const SMALLEST_RULED_CELL: f64 = 5.0;
 
+/// Glyphs of smaller radius than this, in pixels, are not drawn.
+const SMALLEST_GLYPH: f32 = 0.2;
+
 /// Negative lobes of smaller radius than this, where the cell's side is 1, need no word in the legend.
-const SMALLEST_EXPLAINED_LOBE: f32 = 0.01;
+const SMALLEST_EXPLAINED_LOBE: f32 = 0.03;
 
 impl Picture<'_> {
     /// The picture as SVG.
@@ -76,7 +79,7 @@ impl Picture<'_> {
         let width = f64::from(self.width.max(64));
         let count = self.panels.len().max(1) as f64;
         let em = (width / (36.0 * count).max(56.0)).max(6.0);
-        let (margin, gutter, gap) = (1.4 * em, 3.0 * em, 1.6 * em);
+        let (margin, gutter, gap) = (1.4 * em, 3.5 * em, 1.4 * em);
         let side = ((width - 2.0 * margin - (count - 1.0) * gap) / count - gutter).max(em);
         let head = margin + 1.5 * em + if self.subtitle.is_empty() { 0.0 } else { 1.5 * em };
         let top = head + 2.4 * em;
@@ -132,7 +135,7 @@ impl Picture<'_> {
         let brightest = glyph::fit([slice], self.hue, 1.0).unwrap_or(1.0);
         let cell_pixels = frame.pixels(1.0) * slice.unit() as f64;
         // A point every pixel and a half of a full glyph's circumference looks round.
-        let glyphs = Glyphs::new(axis, panel.scale, (2.0 * cell_pixels).clamp(12.0, 64.0) as usize);
+        let glyphs = Glyphs::new(axis, panel.scale, (2.0 * cell_pixels).clamp(8.0, 64.0) as usize);
         let (mut grounds, mut lines) = (BTreeMap::<Rgb, PathData>::new(), PathData::default());
         let (mut lights, mut negative) = (BTreeMap::<Rgb, PathData>::new(), PathData::default());
         let mut outline = Outline::default();
@@ -152,10 +155,11 @@ impl Picture<'_> {
                 lines.to(frame.place([at[0] + span, at[1]]));
             }
             let peak = glyph::peak(light, axis);
-            let share = if peak > 0.0 { panel.scale.share(peak, brightest).min(1.0) } else { 0.0 };
-            if share * glyph::FULL_RADIUS * (frame.pixels(span) as f32) < 0.2 {
+            let radius = glyph::FULL_RADIUS * panel.scale.share(peak, peak).min(1.0);
+            if peak <= 0.0 || radius * (frame.pixels(span) as f32) < SMALLEST_GLYPH {
                 continue;
             }
+            let share = panel.scale.share(peak, brightest).min(1.0);
             glyphs.outline(light, &mut outline);
             let [column, row] = cell.centre().map(f64::from);
             let place = |p: &[f32; 2]| frame.place([column + span * f64::from(p[0]), row + span * f64::from(p[1])]);
@@ -202,7 +206,7 @@ impl Picture<'_> {
         };
         let name = set(Anchor::Middle, 1.0, theme.ink);
         svg.text([left + side / 2.0, top + side + 2.5 * em], &format!("{columns}{which}"), name);
-        svg.turned_text([left - 2.1 * em, top + side / 2.0], &format!("{rows}{which}"), name, -90.0);
+        svg.turned_text([left - 2.65 * em, top + side / 2.0], &format!("{rows}{which}"), name, -90.0);
     }
 }
 

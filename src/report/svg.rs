@@ -88,7 +88,7 @@ impl Svg {
         let (width, height) = (pixels(width), pixels(height));
         let text = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
-             viewBox=\"0 0 {width} {height}\" font-family=\"{FONTS}\">\n<title>{}</title>\n\
+             viewBox=\"0 0 {width} {height}\" xml:space=\"preserve\" font-family=\"{FONTS}\">\n<title>{}</title>\n\
              <rect width=\"100%\" height=\"100%\" fill=\"{}\"/>\n",
             escaped(title),
             ground.css()
