@@ -47,7 +47,7 @@ fn open(preset: PathBuf) -> Result<(), CliError> {
 /// Shows the window until it is closed; the reason if there can be none.
 #[cfg(feature = "app")]
 fn window(path: &Path) -> Result<Option<String>, CliError> {
-    let (preset, _) = cli::open(path)?;
+    let preset = cli::open(path)?.preset;
     if cfg!(target_os = "linux") && ["DISPLAY", "WAYLAND_DISPLAY"].iter().all(|v| std::env::var_os(v).is_none()) {
         return Ok(Some("no display".to_owned()));
     }
