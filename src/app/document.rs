@@ -6,9 +6,6 @@ use egui::util::undoer::{Settings, Undoer};
 
 use crate::scene::{Preset, SceneError, builtin};
 
-/// Where built-in presets look for the files that they name.
-const BUILT_IN_FOLDER: &str = "presets";
-
 /// A preset on the desk.
 #[derive(Debug)]
 pub struct Document {
@@ -52,7 +49,8 @@ impl Document {
     pub fn folder(&self) -> PathBuf {
         match &self.path {
             Some(path) => path.parent().unwrap_or(Path::new("")).to_path_buf(),
-            None => PathBuf::from(BUILT_IN_FOLDER),
+            // What has no file yet came from a built-in preset. Without a folder its files are missed by name.
+            None => builtin::folder().unwrap_or_default(),
         }
     }
 

@@ -15,6 +15,7 @@ use super::look::{Cloud, Layer, Light, Look, Pane, Pin, PinSample, Shown, State}
 use super::settings::Settings;
 use super::view::Stage;
 use super::worker::{Load, News, Order, Progress, Start, Worker};
+use crate::field::Levels;
 use crate::scene::Preset;
 use crate::simulation::{Action, Change};
 
@@ -44,6 +45,8 @@ pub struct Lab {
     pub(super) shown: Vec<Shown>,
     pub(super) cloud: Option<Cloud>,
     asked: Option<Look>,
+    /// Whether the views show what was asked for, after the last action.
+    answered: bool,
     /// The iteration that is seen; `None` follows the latest.
     pub(super) at: Option<usize>,
     pub(super) grids: Grids,
@@ -85,6 +88,7 @@ impl Lab {
             shown: Vec::new(),
             cloud: None,
             asked: None,
+            answered: false,
             at: None,
             grids: Grids::default(),
             pointed: None,
@@ -131,7 +135,7 @@ impl Lab {
 
     /// Whether nothing is being computed or waited for.
     pub fn is_idle(&self) -> bool {
-        self.waiting.is_none() && self.progress.until.is_none() && self.playing.is_none()
+        self.answered && self.waiting.is_none() && self.progress.until.is_none() && self.playing.is_none()
     }
 
     /// Whether the results were made from the scene as it is now.
@@ -178,9 +182,15 @@ impl Lab {
         self.at = None;
         self.playing = None;
         self.notice = None;
-        self.progress = Progress { levels: 1, ..Progress::default() };
-        let load =
-            Load { preset: self.document.preset.clone(), folder: self.document.folder(), others: Vec::new(), start };
+        let Preset { size, coarsest, .. } = self.document.preset;
+        let levels = Levels::new(size, coarsest).map_or(1, |levels| levels.count());
+        self.progress = Progress { side: size, levels, ..Progress::default() };
+        let load = Load {
+            preset: self.document.preset.clone(),
+            folder: self.document.folder(),
+            others: Vec::new(),
+            start,
+        };
         self.send(Order::Load(Box::new(load)));
         // What is to be seen outlasts scenes, but the worker answers for the scene it was asked with.
         self.asked = None;
@@ -370,6 +380,7 @@ impl Lab {
         if self.asked.as_ref() != Some(&look) {
             self.worker.order(Order::Look(look.clone()));
             self.asked = Some(look);
+            self.answered = false;
         }
     }
 
@@ -390,10 +401,10 @@ impl Lab {
         match news {
             News::Done { change, progress, errors } => {
                 self.waiting = None;
+                self.answered = false;
                 self.change = change.or(self.change);
-                let loaded = self.progress.side != progress.side;
                 self.progress = progress;
-                if loaded && self.centre {
+                if self.centre {
                     self.centre = false;
                     self.settings.view.index = progress.brightest[self.settings.view.across.min(2)];
                 }
@@ -403,6 +414,7 @@ impl Lab {
             }
             News::Shown { look, panes, cloud } => {
                 if self.asked.as_ref() == Some(&look) {
+                    self.answered = true;
                     self.shown = panes;
                     self.cloud = cloud;
                 }
@@ -414,6 +426,7 @@ impl Lab {
             }
             News::Failed(line) => {
                 self.waiting = None;
+                self.answered = true;
                 self.progress.until = None;
                 self.fail(line);
             }

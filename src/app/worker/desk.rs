@@ -149,6 +149,7 @@ impl Desk {
                 let each = bytes / self.tracks.len().max(1);
                 self.tracks.iter_mut().for_each(|track| track.set_budget(each));
                 self.tell_progress(None);
+                self.picture(false);
             }
         }
     }
