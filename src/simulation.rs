@@ -10,13 +10,17 @@
 //!   consistent levels, to the light that it takes over one step later ([`levels`]).
 //! - *Propagate* takes every level one iteration further: source to target, target added to
 //!   accumulated, then source and target swap.
-//! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell.
+//! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell. A cell that hard
+//!   occluders let no light enter is sampled at level 0, where it holds what was injected there, if anything.
+
+mod occlusion;
 
 mod descent;
 
 use std::fmt;
 
 use crate::field::{Channels, Grid, IndexVolume, Levels, Octree};
+use crate::propagate::kernel::occluded::{Occluders, Which};
 use crate::propagate::kernel::plain;
 use crate::propagate::levels::{self, Policy, TooLarge};
 use crate::propagate::scheme::{self, Scheme};
@@ -117,6 +121,8 @@ pub struct Simulation<T> {
     stencils: Vec<Stencil<T>>,
     /// What light that comes to rest on each level is multiplied with, by band.
     residences: Vec<[f64; 2]>,
+    /// With the first iteration in which they act.
+    occluders: Option<(Occluders<T>, usize)>,
     lights: Vec<Light<T>>,
     index: IndexVolume,
     iteration: usize,
@@ -127,22 +133,15 @@ impl<T: Real> Simulation<T> {
     pub fn new(scene: Scene) -> Result<Self, SimulationError> {
         let sizes = Levels::new(scene.size, scene.coarsest)
             .ok_or(SimulationError::Sizes { size: scene.size, coarsest: scene.coarsest })?;
-        let (stencils, residences) = operators(&scene.propagation, sizes)?;
-        let colors: Vec<[f64; 3]> = scene.sources.iter().map(|source| source.color).collect();
-        let channels = Channels::of_colors(&colors);
+        let scheme = known_scheme(&scene.propagation.scheme)?;
+        let (stencils, residences) = operators(&scheme, &scene.propagation, sizes)?;
+        let occluders = occlusion::occluders(&scene, sizes, &scheme);
+        let channels = occlusion::channels(&scene);
         let dark = || Octree::new(sizes);
         let light = || Light { source: dark(), target: dark(), accumulated: dark(), merged: None };
         let lights = (0..channels.count()).map(|_| light()).collect();
-        Ok(Simulation {
-            scene,
-            sizes,
-            channels,
-            stencils,
-            residences,
-            lights,
-            index: IndexVolume::new(sizes),
-            iteration: 0,
-        })
+        let index = IndexVolume::new(sizes);
+        Ok(Simulation { scene, sizes, channels, stencils, residences, occluders, lights, index, iteration: 0 })
     }
 
     /// The scene that is simulated.
@@ -177,7 +176,11 @@ impl<T: Real> Simulation<T> {
 
     /// Takes other settings for the iterations to come; the light stays as it is.
     pub fn set_propagation(&mut self, propagation: Propagation) -> Result<(), SimulationError> {
-        (self.stencils, self.residences) = operators(&propagation, self.sizes)?;
+        let scheme = known_scheme(&propagation.scheme)?;
+        (self.stencils, self.residences) = operators(&scheme, &propagation, self.sizes)?;
+        if propagation.scheme != self.scene.propagation.scheme {
+            self.occluders = occlusion::occluders(&self.scene, self.sizes, &scheme);
+        }
         self.scene.propagation = propagation;
         Ok(())
     }
@@ -289,10 +292,11 @@ impl<T: Real> Simulation<T> {
 
     fn propagate(&mut self) {
         let keep_source = self.iteration == 0 && self.scene.propagation.snapshots == Snapshots::CopyFirst;
-        for light in &mut self.lights {
+        let occluders = acting(&self.occluders, self.iteration + 1);
+        for (colour, light) in self.lights.iter_mut().enumerate() {
             for (i, stencil) in self.stencils.iter().enumerate() {
                 let (source, target) = (light.source.level(i), light.target.level_mut(i));
-                plain::propagate(stencil, source, target);
+                step(occluders, stencil, Which { level: i, colour }, source, target);
                 if keep_source {
                     target.add_grid(source);
                 }
@@ -305,21 +309,51 @@ impl<T: Real> Simulation<T> {
     }
 
     fn merge(&mut self) {
-        for light in &mut self.lights {
-            let merged = light.merged.get_or_insert_with(|| Grid::new(self.sizes.finest()));
-            self.index.merge(&light.accumulated, merged);
+        for channel in 0..self.lights.len() {
+            let mut merged = self.lights[channel].merged.take().unwrap_or_else(|| Grid::new(self.sizes.finest()));
+            self.sample(channel, &mut merged);
+            self.lights[channel].merged = Some(merged);
         }
+    }
+
+    /// Sets `merged` to the sample S(x, y, z) of a channel's accumulated octree at every finest cell, as
+    /// merging does.
+    pub fn sample(&self, channel: usize, merged: &mut Grid<T>) {
+        let accumulated = &self.lights[channel].accumulated;
+        self.index.merge(accumulated, merged);
+        if let Some((Occluders::Hard(hard), _)) = &self.occluders {
+            hard.barrier.shut().for_each(|cell| merged.set(cell, accumulated.level(0).get(cell)));
+        }
+    }
+}
+
+/// The occluders that act in an iteration, counted from 1.
+fn acting<T>(occluders: &Option<(Occluders<T>, usize)>, iteration: usize) -> Option<&Occluders<T>> {
+    occluders.as_ref().filter(|(_, from)| iteration >= *from).map(|(occluders, _)| occluders)
+}
+
+/// One iteration of one level. Where albedos have colours each channel is one; where not, any colour will do.
+fn step<T: Real>(
+    occluders: Option<&Occluders<T>>,
+    stencil: &Stencil<T>,
+    which: Which,
+    source: &Grid<T>,
+    target: &mut Grid<T>,
+) {
+    match occluders {
+        Some(occluders) => occluders.propagate(stencil, which, source, target),
+        None => plain::propagate(stencil, source, target),
     }
 }
 
 /// The stencil of every level, and its residence.
 fn operators<T: Real>(
+    scheme: &Scheme,
     propagation: &Propagation,
     sizes: Levels,
-) -> Result<(Vec<Stencil<T>>, Vec<[f64; 2]>), SimulationError> {
+) -> Result<(Vec<Stencil<T>>, Vec<[f64; 2]>), TooLarge> {
     let Propagation { factor, clamp, levels, .. } = *propagation;
-    let scheme = known_scheme(&propagation.scheme)?;
-    let operators = levels::operators(&scheme, factor, clamp, levels, sizes.count())?;
+    let operators = levels::operators(scheme, factor, clamp, levels, sizes.count())?;
     Ok(operators.into_iter().map(|operator| (operator.stencil, operator.residence)).unzip())
 }
 

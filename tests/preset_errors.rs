@@ -1,5 +1,6 @@
 //! Presets: those that come with the program load; whatever is wrong with one is told in one line, with
 //! its place and what would be right; and nothing that a file may hold makes the reader panic or hang.
+#![allow(clippy::expect_used)]
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -65,6 +66,8 @@ fn what_only_its_meaning_refuses_comes_with_the_values_place() {
 fn injectors_are_refused_at_the_field_that_is_wrong() {
     let injector =
         |text: &str| format!("(version: 1, size: 8, injectors: [\n  (kind: Wall(side: NegX)),\n  {text},\n])");
+    // A value that is not written has the place of what it belongs to.
+    refused(&injector("»(kind: Single(cell: (1, 2, 3)), color: (1e31, 1, 1))"), &["single precision", "colour"]);
     let one = "(kind: Single(cell: (1, 2, 3)), ";
     for (text, words) in [
         ("(kind: Single(cell: »(1, 8, 3)))".to_owned(), ["(1, 8, 3)", "0 to 7"]),
@@ -111,6 +114,7 @@ fn the_place_is_found_past_comments_strings_and_odd_layout() {
         "#![enable(implicit_some)]\n// size: 3, (\n/* /* nested ( */ size: 5 */ (version: 1, title: \"é, size: 7) \\\" (\",\n\tr#size: »12)",
         &["12"],
     );
+    refused("\u{feff}(version: 1,\n size: »12)", &["12"]);
     refused("(version: 1, title: r#\"a \" ), size: 3\"#, injectors: [], /* , */ size /* : */ : /**/ »12)", &["12"]);
     refused("(version: 1, injectors: [(kind: Single(cell: (0, 0, 0)),), (kind: Single(cell: »(40, 0, 0)))])", &["40"]);
 }

@@ -40,7 +40,12 @@ impl<'a> Legend<'a> {
         match picture.paint {
             Paint::Single | Paint::Light => {}
             Paint::Direction => items.push((Sign::Wheel, "direction of the light".to_owned())),
-            Paint::Intensity => items.push((Sign::Ramp, "0 to the cell’s full radius".to_owned())),
+            Paint::Intensity => {
+                let own = picture.panels.iter().any(|panel| panel.scale == GlyphScale::PerGlyph);
+                let text =
+                    if own { "intensity, none to the slice’s brightest" } else { "intensity, none to a full cell" };
+                items.push((Sign::Ramp, text.to_owned()));
+            }
         }
         if picture.heat {
             items.push((Sign::Heat, "ground: mean over all directions, K0·c00, on the same scale".to_owned()));
@@ -61,7 +66,8 @@ impl<'a> Legend<'a> {
         let mut rows: Vec<Vec<(f64, usize)>> = vec![Vec::new()];
         let mut x = 0.0;
         for (i, (sign, text)) in self.items.iter().enumerate() {
-            let wide = self.sign_width(*sign) + text_width(text, self.em) + 1.8 * self.em;
+            // With room for a reader whose font is wider than ours.
+            let wide = self.sign_width(*sign) + 1.12 * text_width(text, self.em) + 1.5 * self.em;
             if x > 0.0 && x + wide > self.width {
                 rows.push(Vec::new());
                 x = 0.0;
@@ -161,7 +167,11 @@ impl<'a> Legend<'a> {
             GlyphScale::Linear { full } => format!("full cell: {} sr⁻¹", short(f64::from(full), 2)),
             GlyphScale::Log { full, decades } => {
                 let least = f64::from(full) * 10f64.powf(-f64::from(decades));
-                format!("full cell: {} sr⁻¹, none below {} sr⁻¹", short(f64::from(full), 2), short(least, 2))
+                format!(
+                    "logarithmic; full cell: {} sr⁻¹, none below {} sr⁻¹",
+                    short(f64::from(full), 2),
+                    short(least, 2)
+                )
             }
             GlyphScale::PerGlyph => "every glyph fills its cell".to_owned(),
         };

@@ -29,27 +29,47 @@ pub fn power_of_ten(exponent: i32) -> String {
 
 /// A number in `digits` significant digits (at least 1), trailing zeros left out: `0.031`, `2.5×10⁻⁵`, `−12`.
 pub fn short(value: f64, digits: usize) -> String {
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    if !value.is_finite() {
-        return if value.is_nan() { "undefined" } else { "∞" }.to_owned();
-    }
+    let Some((mantissa, exponent)) = rounded(value, digits) else { return special(value).to_owned() };
     let sign = if value < 0.0 { "−" } else { "" };
+    match exponent {
+        None => format!("{sign}{mantissa}"),
+        Some(exponent) if mantissa == "1" => format!("{sign}{}", power_of_ten(exponent)),
+        Some(exponent) => format!("{sign}{mantissa}×{}", power_of_ten(exponent)),
+    }
+}
+
+/// The same in characters that a terminal has and other programs read: `0.031`, `2.5e-5`, `-12`.
+pub fn plain(value: f64, digits: usize) -> String {
+    let Some((mantissa, exponent)) = rounded(value, digits) else { return special(value).to_owned() };
+    let sign = if value < 0.0 { "-" } else { "" };
+    exponent.map_or_else(|| format!("{sign}{mantissa}"), |exponent| format!("{sign}{mantissa}e{exponent}"))
+}
+
+/// What stands for a number that has no digits.
+fn special(value: f64) -> &'static str {
+    match value {
+        f64::INFINITY => "∞",
+        f64::NEG_INFINITY => "−∞",
+        _ => "undefined",
+    }
+}
+
+/// The magnitude's digits, and the power of ten where that is too small or large to write out.
+fn rounded(value: f64, digits: usize) -> Option<(String, Option<i32>)> {
+    if value == 0.0 {
+        return Some(("0".to_owned(), None));
+    }
     let digits = digits.max(1);
-    // Rounded first, so that 0.9996 in three digits is 1.
-    let rounded = format!("{:.*e}", digits - 1, value.abs());
-    let Some((mantissa, exponent)) = rounded.split_once('e') else { return rounded };
-    let exponent: i32 = exponent.parse().unwrap_or_default();
-    if (-3..5).contains(&exponent) {
-        let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
-        let rounded: f64 = rounded.parse().unwrap_or_default();
-        format!("{sign}{}", trimmed(&format!("{rounded:.decimals$}")))
+    // Rounded before its size is looked at: 0.9996 in three digits is 1.
+    let scientific = value.is_finite().then(|| format!("{:.*e}", digits - 1, value.abs()))?;
+    let (mantissa, exponent) = scientific.split_once('e')?;
+    let power: i32 = exponent.parse().ok()?;
+    if (-3..5).contains(&power) {
+        let decimals = (digits as i32 - 1 - power).max(0) as usize;
+        let value: f64 = scientific.parse().ok()?;
+        Some((trimmed(&format!("{value:.decimals$}")).to_owned(), None))
     } else {
-        match trimmed(mantissa) {
-            "1" => format!("{sign}{}", power_of_ten(exponent)),
-            mantissa => format!("{sign}{mantissa}×{}", power_of_ten(exponent)),
-        }
+        Some((trimmed(mantissa).to_owned(), Some(power)))
     }
 }
 
@@ -79,6 +99,15 @@ mod tests {
         ] {
             assert_eq!(short(value, digits), expected, "{value} in {digits}");
         }
+    }
+
+    #[test]
+    fn plain_numbers_can_be_read_by_programs() {
+        for (value, text) in [(-2.5e-5, "-2.5e-5"), (1e-7, "1e-7"), (0.031, "0.031"), (6.02e23, "6.02e23")] {
+            assert_eq!(plain(value, 3), text);
+            assert_eq!(text.parse(), Ok(value));
+        }
+        assert_eq!((short(f64::NEG_INFINITY, 2), plain(f64::INFINITY, 2)), ("−∞".to_owned(), "∞".to_owned()));
     }
 
     #[test]

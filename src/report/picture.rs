@@ -67,8 +67,11 @@ pub(super) struct Seen {
 /// Thinner cells than this, in pixels, get no lines between them.
 const SMALLEST_RULED_CELL: f64 = 5.0;
 
+/// Glyphs of smaller radius than this, in pixels, are not drawn.
+const SMALLEST_GLYPH: f32 = 0.2;
+
 /// Negative lobes of smaller radius than this, where the cell's side is 1, need no word in the legend.
-const SMALLEST_EXPLAINED_LOBE: f32 = 0.01;
+const SMALLEST_EXPLAINED_LOBE: f32 = 0.03;
 
 impl Picture<'_> {
     /// The picture as SVG.
@@ -76,7 +79,7 @@ impl Picture<'_> {
         let width = f64::from(self.width.max(64));
         let count = self.panels.len().max(1) as f64;
         let em = (width / (36.0 * count).max(56.0)).max(6.0);
-        let (margin, gutter, gap) = (1.4 * em, 3.0 * em, 1.6 * em);
+        let (margin, gutter, gap) = (1.4 * em, 3.5 * em, 1.4 * em);
         let side = ((width - 2.0 * margin - (count - 1.0) * gap) / count - gutter).max(em);
         let head = margin + 1.5 * em + if self.subtitle.is_empty() { 0.0 } else { 1.5 * em };
         let top = head + 2.4 * em;
@@ -132,7 +135,7 @@ impl Picture<'_> {
         let brightest = glyph::fit([slice], self.hue, 1.0).unwrap_or(1.0);
         let cell_pixels = frame.pixels(1.0) * slice.unit() as f64;
         // A point every pixel and a half of a full glyph's circumference looks round.
-        let glyphs = Glyphs::new(axis, panel.scale, (2.0 * cell_pixels).clamp(12.0, 64.0) as usize);
+        let glyphs = Glyphs::new(axis, panel.scale, (2.0 * cell_pixels).clamp(8.0, 64.0) as usize);
         let (mut grounds, mut lines) = (BTreeMap::<Rgb, PathData>::new(), PathData::default());
         let (mut lights, mut negative) = (BTreeMap::<Rgb, PathData>::new(), PathData::default());
         let mut outline = Outline::default();
@@ -152,10 +155,11 @@ impl Picture<'_> {
                 lines.to(frame.place([at[0] + span, at[1]]));
             }
             let peak = glyph::peak(light, axis);
-            let share = if peak > 0.0 { panel.scale.share(peak, brightest).min(1.0) } else { 0.0 };
-            if share * glyph::FULL_RADIUS * (frame.pixels(span) as f32) < 0.2 {
+            let radius = glyph::FULL_RADIUS * panel.scale.share(peak, peak).min(1.0);
+            if peak <= 0.0 || radius * (frame.pixels(span) as f32) < SMALLEST_GLYPH {
                 continue;
             }
+            let share = panel.scale.share(peak, brightest).min(1.0);
             glyphs.outline(light, &mut outline);
             let [column, row] = cell.centre().map(f64::from);
             let place = |p: &[f32; 2]| frame.place([column + span * f64::from(p[0]), row + span * f64::from(p[1])]);
@@ -202,7 +206,7 @@ impl Picture<'_> {
         };
         let name = set(Anchor::Middle, 1.0, theme.ink);
         svg.text([left + side / 2.0, top + side + 2.5 * em], &format!("{columns}{which}"), name);
-        svg.turned_text([left - 2.1 * em, top + side / 2.0], &format!("{rows}{which}"), name, -90.0);
+        svg.turned_text([left - 2.65 * em, top + side / 2.0], &format!("{rows}{which}"), name, -90.0);
     }
 }
 
@@ -269,30 +273,37 @@ mod tests {
         }
     }
 
-    /// Every place, in pixels, that paths of one fill go through.
-    fn places(svg: &str, fill: Rgb) -> Vec<[f64; 2]> {
+    /// The middle of the first shape of a colour, in pixels.
+    fn middle(svg: &str, fill: Rgb) -> [f64; 2] {
         let document = Document::parse(svg).unwrap();
-        let shapes = document.descendants().filter(|n| n.attribute("fill") == Some(&fill.css()));
-        let paths = shapes.filter_map(|n| n.attribute("d"));
-        let points = paths.flat_map(|d| d.split(['M', 'L', 'Z']).map(str::to_owned).collect::<Vec<_>>());
-        points.filter_map(|p| p.split_once(' ').map(|(x, y)| [x.parse().unwrap(), y.parse().unwrap()])).collect()
+        let shape = document.descendants().find(|n| n.has_tag_name("path") && n.attribute("fill") == Some(&fill.css()));
+        let points: Vec<[f64; 2]> = shape.and_then(|n| n.attribute("d")).unwrap()[1..]
+            .trim_end_matches('Z')
+            .split('L')
+            .map(|p| p.split_once(' ').map(|(x, y)| [x.parse().unwrap(), y.parse().unwrap()]).unwrap())
+            .collect();
+        [0, 1].map(|c| points.iter().map(|p| p[c]).sum::<f64>() / points.len() as f64)
     }
 
     #[test]
     fn a_lobe_is_drawn_in_its_cell_towards_its_light() {
         for (direction, to) in [(DVec3::X, [1.0, 0.0]), (DVec3::Y, [0.0, -1.0])] {
             let slice = lone_lobe(direction);
-            let mut one = picture(vec![Panel::fitted("Source", &slice, Hue::Mean, None)]);
-            // A colour that the legend does not use.
-            one.theme.negative = Rgb::hex(0x123456);
-            let svg = one.to_svg();
-            let negative = places(&svg, Rgb::hex(0x123456));
-            // The lobe's own back lies on the other side of where the light goes.
-            let middle = negative.iter().take(40).fold([0.0; 2], |m, p| [m[0] + p[0] / 40.0, m[1] + p[1] / 40.0]);
-            let positive = places(&svg, one.theme.glyph);
-            let centre = positive.iter().take(40).fold([0.0; 2], |m, p| [m[0] + p[0] / 40.0, m[1] + p[1] / 40.0]);
-            let along = (centre[0] - middle[0]) * to[0] + (centre[1] - middle[1]) * to[1];
-            assert!(along > 5.0, "{direction}: {centre:?} {middle:?}");
+            let picture = picture(vec![Panel::fitted("Source", &slice, Hue::Mean, None)]);
+            let svg = picture.to_svg();
+            let (front, back) = (middle(&svg, picture.theme.glyph), middle(&svg, picture.theme.negative));
+            let along = (front[0] - back[0]) * to[0] + (front[1] - back[1]) * to[1];
+            assert!(along > 5.0, "{direction}: {front:?} {back:?}");
+            // Cell (2, 5) of 8: beside the labels of its column and row.
+            let document = Document::parse(&svg).unwrap();
+            let label = |name: &str, anchor: &str| -> f64 {
+                let labels = document.descendants().filter(|n| n.attribute("text-anchor") == Some(anchor));
+                let found = labels.clone().find(|n| n.text() == Some(name)).unwrap();
+                found.attribute(if anchor == "middle" { "x" } else { "y" }).unwrap().parse().unwrap()
+            };
+            let cell = label("3", "middle") - label("2", "middle");
+            assert!((front[0] - label("2", "middle")).abs() < cell / 2.0);
+            assert!((label("5", "end") - front[1]).abs() < cell / 2.0);
         }
     }
 

@@ -90,6 +90,34 @@ mod tests {
         assert!(png(&huge).unwrap_err().to_string().contains("20000 × 30"));
     }
 
+    fn text_boxes(group: &Group) -> Vec<f64> {
+        let of = |node: &Node| match node {
+            Node::Text(text) => vec![f64::from(text.bounding_box().width())],
+            Node::Group(group) => text_boxes(group),
+            _ => Vec::new(),
+        };
+        group.children().iter().flat_map(of).collect()
+    }
+
+    #[test]
+    fn text_is_no_wider_than_was_reckoned_and_not_much_narrower() {
+        use crate::report::colour::Rgb;
+        use crate::report::svg::{Anchor, Svg, Type, text_width};
+        for text in [
+            "radius: logarithm of the intensity, c·Y(ω) per steradian in units of the multipliers",
+            "full cell: 0.77 sr⁻¹, none below 7.7×10⁻⁵ sr⁻¹",
+            "Relative error (up to 4 cells undefined and left out)",
+            "mean, all levels",
+            "MMXVI, WIMMIC, 10⁻¹⁰",
+        ] {
+            let mut svg = Svg::new(2000.0, 50.0, Rgb::hex(0xffffff), "");
+            svg.text([0.0, 20.0], text, Type { size: 16.0, color: Rgb::hex(0), anchor: Anchor::Start });
+            let wide = text_boxes(tree(&svg.finish()).unwrap().root())[0];
+            let share = wide / text_width(text, 16.0);
+            assert!((0.75..=1.0).contains(&share), "{text}: {share}");
+        }
+    }
+
     fn glyphs(group: &Group) -> usize {
         let of = |node: &Node| match node {
             Node::Text(text) => text.layouted().iter().flat_map(|span| &span.positioned_glyphs).count(),

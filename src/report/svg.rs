@@ -62,9 +62,18 @@ impl Type {
     }
 }
 
-/// How wide a text will be, in pixels, within about a tenth: fonts differ, and the reader's may be another.
+/// How wide a text will be, in pixels, and rather a little more than too little: fonts differ, and the
+/// reader's may be another.
 pub fn text_width(text: &str, size: f64) -> f64 {
-    0.54 * size * text.chars().count() as f64
+    let ems = |c: char| match c {
+        ' ' | '.' | ',' | ':' | ';' | '|' | 'i' | 'j' | 'l' | '’' | '·' => 0.27,
+        'f' | 'r' | 't' | '(' | ')' | '/' | '-' => 0.4,
+        'm' | 'w' | 'M' | 'W' => 0.86,
+        '⁻' | '⁰' | '¹' | '²' | '³' | '⁴'..='⁹' => 0.4,
+        c if c.is_uppercase() => 0.68,
+        _ => 0.56,
+    };
+    size * text.chars().map(ems).sum::<f64>()
 }
 
 /// A drawing.
@@ -79,7 +88,7 @@ impl Svg {
         let (width, height) = (pixels(width), pixels(height));
         let text = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
-             viewBox=\"0 0 {width} {height}\" font-family=\"{FONTS}\">\n<title>{}</title>\n\
+             viewBox=\"0 0 {width} {height}\" xml:space=\"preserve\" font-family=\"{FONTS}\">\n<title>{}</title>\n\
              <rect width=\"100%\" height=\"100%\" fill=\"{}\"/>\n",
             escaped(title),
             ground.css()
