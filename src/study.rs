@@ -1,5 +1,6 @@
 //! Questions put to simulations.
 
+pub mod ballistic;
 pub mod error;
 pub mod reference;
 pub mod stability;
