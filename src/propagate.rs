@@ -9,6 +9,7 @@ pub mod cone;
 pub mod face;
 pub mod geometry;
 pub mod kernel;
+pub mod levels;
 pub mod reflective;
 pub mod scheme;
 pub mod stencil;

@@ -6,12 +6,14 @@
 //! - *Clear* makes everything dark and sets the iteration to 0.
 //! - *Inject* adds the scene's light to level 0 of the source, and of the accumulated light where the
 //!   snapshots count the injection; it marks the index volume.
-//! - *Downsample* sets every coarser level of source and accumulated to the mean of its children.
+//! - *Downsample* sets every coarser level of source and accumulated to the mean of its children; with
+//!   consistent levels, to the light that it takes over one step later ([`levels`]).
 //! - *Propagate* takes every level one iteration further: source to target, target added to
 //!   accumulated, then source and target swap.
 //! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell. A cell that hard
 //!   occluders let no light enter is sampled at level 0, where it holds what was injected there, if anything.
 
+mod descent;
 mod occlusion;
 
 use std::fmt;
@@ -19,6 +21,7 @@ use std::fmt;
 use crate::field::{Channels, Grid, IndexVolume, Levels, Octree};
 use crate::propagate::kernel::occluded::{Occluders, Which};
 use crate::propagate::kernel::plain;
+use crate::propagate::levels::{self, Policy, TooLarge};
 use crate::propagate::scheme::{self, Scheme};
 use crate::propagate::stencil::Stencil;
 use crate::scene::Scene;
@@ -72,7 +75,7 @@ pub struct Change {
 }
 
 /// A propagation setting that cannot be run.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SimulationError {
     /// No scheme of that name.
     #[error("unknown scheme \"{name}\"; known schemes: {known}")]
@@ -90,6 +93,9 @@ pub enum SimulationError {
         /// The side of the coarsest level.
         coarsest: usize,
     },
+    /// A factor that is too large for the levels' policy.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
 }
 
 /// One channel of light in its three octrees.
@@ -112,6 +118,8 @@ pub struct Simulation<T> {
     sizes: Levels,
     channels: Channels,
     stencils: Vec<Stencil<T>>,
+    /// What light that comes to rest on each level is multiplied with, by band.
+    residences: Vec<[f64; 2]>,
     /// With the first iteration in which they act.
     occluders: Option<(Occluders<T>, usize)>,
     lights: Vec<Light<T>>,
@@ -125,14 +133,14 @@ impl<T: Real> Simulation<T> {
         let sizes = Levels::new(scene.size, scene.coarsest)
             .ok_or(SimulationError::Sizes { size: scene.size, coarsest: scene.coarsest })?;
         let scheme = known_scheme(&scene.propagation.scheme)?;
-        let stencils = stencils(&scheme, &scene.propagation, sizes);
+        let (stencils, residences) = operators(&scheme, &scene.propagation, sizes)?;
         let occluders = occlusion::occluders(&scene, sizes, &scheme);
         let channels = occlusion::channels(&scene);
         let dark = || Octree::new(sizes);
         let light = || Light { source: dark(), target: dark(), accumulated: dark(), merged: None };
         let lights = (0..channels.count()).map(|_| light()).collect();
         let index = IndexVolume::new(sizes);
-        Ok(Simulation { scene, sizes, channels, stencils, occluders, lights, index, iteration: 0 })
+        Ok(Simulation { scene, sizes, channels, stencils, residences, occluders, lights, index, iteration: 0 })
     }
 
     /// The scene that is simulated.
@@ -168,7 +176,7 @@ impl<T: Real> Simulation<T> {
     /// Takes other settings for the iterations to come; the light stays as it is.
     pub fn set_propagation(&mut self, propagation: Propagation) -> Result<(), SimulationError> {
         let scheme = known_scheme(&propagation.scheme)?;
-        self.stencils = stencils(&scheme, &propagation, self.sizes);
+        (self.stencils, self.residences) = operators(&scheme, &propagation, self.sizes)?;
         if propagation.scheme != self.scene.propagation.scheme {
             self.occluders = occlusion::occluders(&self.scene, self.sizes, &scheme);
         }
@@ -266,9 +274,14 @@ impl<T: Real> Simulation<T> {
     }
 
     fn downsample(&mut self) {
+        if self.scene.propagation.levels == Policy::Consistent {
+            self.hand_down();
+        }
         for light in &mut self.lights {
-            light.source.downsample();
-            light.accumulated.downsample();
+            if self.scene.propagation.levels == Policy::Same {
+                light.source.downsample();
+                light.accumulated.downsample();
+            }
             for i in 1..self.sizes.count() {
                 self.index.level_mut(i).mark_lit(light.source.level(i));
                 self.index.level_mut(i).mark_lit(light.accumulated.level(i));
@@ -310,9 +323,15 @@ impl<T: Real> Simulation<T> {
     }
 }
 
-/// The operator of every level.
-fn stencils<T: Real>(scheme: &Scheme, propagation: &Propagation, sizes: Levels) -> Vec<Stencil<T>> {
-    vec![Stencil::new(scheme, propagation.factor, propagation.clamp); sizes.count()]
+/// The stencil of every level, and its residence.
+fn operators<T: Real>(
+    scheme: &Scheme,
+    propagation: &Propagation,
+    sizes: Levels,
+) -> Result<(Vec<Stencil<T>>, Vec<[f64; 2]>), SimulationError> {
+    let Propagation { factor, clamp, levels, .. } = *propagation;
+    let operators = levels::operators(scheme, factor, clamp, levels, sizes.count())?;
+    Ok(operators.into_iter().map(|operator| (operator.stencil, operator.residence)).unzip())
 }
 
 /// The scheme of that name, or an error that names those there are.
