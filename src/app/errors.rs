@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use egui::{Color32, ComboBox, Ui, vec2};
-use egui_plot::{GridInput, GridMark, HoverPosition, Legend, Line, LineStyle, MarkerShape, Plot, PlotPoints, Points, VLine};
+use egui_plot::{Corner, GridInput, GridMark, HoverPosition, Legend, Line, LineStyle, MarkerShape, Plot, PlotPoints, Points, VLine};
 use serde::{Deserialize, Serialize};
 
 use super::mesh::color;
@@ -110,8 +110,8 @@ impl Plots {
             }
         });
         super::controls::name(&choice.response, "Error level");
-        ui.checkbox(&mut self.average, "Average").on_hover_text("Solid lines");
-        ui.checkbox(&mut self.maximum, "Maximum").on_hover_text("Broken lines");
+        ui.checkbox(&mut self.average, "Average —").on_hover_text("Solid lines");
+        ui.checkbox(&mut self.maximum, "Maximum - -").on_hover_text("Broken lines");
         ui.checkbox(&mut self.log, "Log axis").on_hover_text("A logarithmic vertical axis; errors of zero are left out");
     }
 
@@ -144,7 +144,7 @@ impl Plots {
             .height(size.y)
             .x_axis_label("Iteration k")
             .y_axis_label(title)
-            .legend(Legend::default().background_alpha(0.6).follow_insertion_order(true))
+            .legend(Legend::default().position(Corner::RightBottom).background_alpha(0.6).follow_insertion_order(true))
             .include_x(0.0)
             .include_x(iterations.max(4) as f64)
             .allow_scroll(false)
@@ -166,11 +166,12 @@ impl Plots {
                         true => color(theme.curve(run.color)),
                         false => color(theme.curve(usize::from(quantity.dashed))),
                     };
-                    let name = if many { format!("{}, {}", run.name, quantity.name) } else { quantity.name.to_owned() };
+                    // Of several runs the legend names each once: solid and broken lines are told apart above.
+                    let name = if many { run.name.clone() } else { quantity.name.to_owned() };
                     curve(plot, name, points, ink, quantity.dashed);
                 }
             }
-            let mark = VLine::new(format!("k = {now}"), now as f64).color(color(theme.muted)).width(1.0);
+            let mark = VLine::new("", now as f64).color(color(theme.muted)).width(1.0);
             plot.vline(mark.style(LineStyle::dotted_dense()).allow_hover(false));
         });
         super::controls::name(&response.response, title);
@@ -198,7 +199,7 @@ fn read_out(position: &HoverPosition<'_>, log: bool) -> String {
     let value = |y: f64| if log { 10f64.powf(y) } else { y };
     match position {
         HoverPosition::NearDataPoint { plot_name, position, .. } => {
-            format!("{plot_name}\nk = {:.0}: {:.3e}", position.x, value(position.y))
+            format!("{plot_name}\nk = {:.0}:  {:.3e}", position.x, value(position.y))
         }
         HoverPosition::Elsewhere { position } => format!("k = {:.1}: {:.3e}", position.x, value(position.y)),
     }
