@@ -15,7 +15,13 @@
 #![deny(unsafe_code)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used))]
 
+#[cfg(feature = "app")]
+pub mod app;
+pub mod cli;
 pub mod field;
 pub mod propagate;
+pub mod report;
 pub mod scene;
 pub mod sh;
+pub mod simulation;
+pub mod study;

@@ -2,8 +2,14 @@
 //! loops that apply one to a grid.
 
 pub mod active;
+pub mod axial;
+pub mod barrier;
+pub mod blog;
 pub mod cascaded;
+pub mod cone;
 pub mod face;
+pub mod geometry;
 pub mod kernel;
+pub mod reflective;
 pub mod scheme;
 pub mod stencil;

@@ -3,6 +3,7 @@
 //! [`preset`] is the document that people write and the window edits; [`Scene::build`] checks it, reads the
 //! files it names and lists the light and the occupied cells.
 
+pub mod builtin;
 pub mod cell_file;
 pub mod error;
 pub mod file;
@@ -20,11 +21,11 @@ mod syntax;
 
 use std::path::Path;
 
-use glam::DVec3;
-
 pub use error::SceneError;
 pub use occluder::Occlusion;
 pub use preset::{Preset, Propagation};
+
+pub use crate::propagate::geometry::Blocker;
 
 use crate::field::Cell;
 use crate::sh::Sh;
@@ -60,20 +61,6 @@ pub struct Source {
     pub light: Vec<(Cell, Sh<f64>)>,
 }
 
-/// An occupied cell.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Blocker {
-    /// The cell.
-    pub cell: Cell,
-    /// The surface's unit normal. Zero where none was given and the surroundings have none, such as inside
-    /// a solid or in a wall one cell thick: [`Sh::lobe`] of it then blocks alike from all sides.
-    pub normal: DVec3,
-    /// How much of the cell is blocked, above 0 and up to 1.
-    pub opacity: f64,
-    /// The share of red, green and blue light that is sent back, each 0 to 1.
-    pub albedo: [f64; 3],
-}
-
 impl Scene {
     /// Resolves a preset; files are looked for in `folder`, the preset's own.
     pub fn build(preset: &Preset, folder: &Path) -> Result<Scene, SceneError> {
@@ -103,16 +90,30 @@ impl Scene {
         })
     }
 
+    /// The slab of cells across an axis (0 for x) into which most light is injected; among equals the one
+    /// nearest the middle.
+    pub fn brightest_slab(&self, axis: usize) -> usize {
+        let mut energy = vec![0.0; self.size];
+        for source in &self.sources {
+            let weight: f64 = source.color.iter().sum();
+            for (cell, light) in &source.light {
+                energy[cell[axis]] += weight * light.0[0];
+            }
+        }
+        let most = energy.iter().copied().fold(0.0, f64::max);
+        let middle = self.size / 2;
+        // A hair's breadth of rounding must not decide between slabs that are meant to be equal.
+        let nearest = (0..self.size).filter(|&i| energy[i] >= most * (1.0 - 1e-9)).min_by_key(|&i| i.abs_diff(middle));
+        nearest.unwrap_or(middle)
+    }
+
     /// Reads a preset from a file and resolves it; errors tell the place in the file.
     pub fn load(path: &Path) -> Result<(Preset, Scene), SceneError> {
         let text = file::read_text(path, preset::LONGEST)?;
         let preset = Preset::parse(&text, path)?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        match Scene::build(&preset, folder) {
-            Ok(scene) => Ok((preset, scene)),
-            Err(SceneError::Document(problem)) => Err(place::at_its_place(problem, &text, path)),
-            Err(error) => Err(error),
-        }
+        let scene = Scene::build(&preset, folder).map_err(|error| error.at_its_place(&text, path))?;
+        Ok((preset, scene))
     }
 }
 
@@ -129,4 +130,70 @@ fn take<T>(
     let cells = list(*left)?;
     *left -= cells.len().min(*left);
     Ok(cells)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::injector::{Injector, InjectorKind, Side};
+    use super::occluder::{Axis, Occluder, OccluderKind};
+    use super::*;
+
+    /// The scene of one injector in a volume of side 8.
+    fn lit_by(injector: Injector) -> Scene {
+        let preset = Preset { size: 8, injectors: vec![injector], ..Preset::default() };
+        Scene::build(&preset, Path::new("")).unwrap()
+    }
+
+    #[test]
+    fn a_wall_lights_its_side_and_sends_inwards() {
+        for (i, side) in Side::ALL.into_iter().enumerate() {
+            let scene = lit_by(Injector::new(InjectorKind::Wall { side }));
+            let (axis, at, sign) = (i / 2, [0, 7][i % 2], [1.0, -1.0][i % 2]);
+            let light = &scene.sources[0].light;
+            assert_eq!(light.len(), 64);
+            assert!(light.iter().all(|(cell, _)| cell[axis] == at), "{side:?}");
+            let lobe = Sh::lobe(DVec3::AXES[axis] * sign);
+            assert!(light.iter().all(|(_, sh)| *sh == lobe), "{side:?}");
+        }
+    }
+
+    #[test]
+    fn direction_is_normalised_the_multiplier_applied_and_the_colour_kept_apart() {
+        for length in [1e-300, 5.0, 1e300] {
+            let scene = lit_by(Injector {
+                direction: Some([0.0, -0.6 * length, 0.8 * length]),
+                multiplier: 2.5,
+                color: [0.1, 0.2, 0.3],
+                ..Injector::new(InjectorKind::Single { cell: [1, 2, 3] })
+            });
+            let [(cell, sh)] = scene.sources[0].light[..] else { panic!("one cell") };
+            let expected = Sh::<f64>::lobe(DVec3::new(0.0, -0.6, 0.8)) * 2.5;
+            assert_eq!((cell, scene.sources[0].color), ([1, 2, 3], [0.1, 0.2, 0.3]));
+            assert!((sh - expected).max_norm() < 1e-14, "{sh:?} {expected:?}");
+        }
+    }
+
+    #[test]
+    fn a_rectangle_holds_both_ends_and_what_is_switched_off_does_nothing() {
+        let rectangle = InjectorKind::Rectangle { from: [4, 4, 6], to: [6, 7, 6] };
+        let off = Occluder { enabled: false, ..Occluder::new(OccluderKind::Plane { axis: Axis::X, at: 1 }) };
+        let preset = Preset {
+            size: 8,
+            injectors: vec![Injector { enabled: false, ..Injector::new(rectangle.clone()) }, Injector::new(rectangle)],
+            occluders: vec![off],
+            ..Preset::default()
+        };
+        let scene = Scene::build(&preset, Path::new("")).unwrap();
+        assert_eq!((scene.sources.len(), scene.sources[0].light.len(), scene.blockers.len()), (1, 12, 0));
+    }
+
+    #[test]
+    fn a_scene_of_too_many_cells_is_refused_before_they_are_listed() {
+        let all = OccluderKind::Box { from: [0; 3], to: [1023; 3] };
+        let preset = Preset { size: 1024, occluders: vec![Occluder::new(all)], ..Preset::default() };
+        let error = Scene::build(&preset, Path::new("")).unwrap_err().to_string();
+        assert!(error.starts_with("occluders[0]: ") && error.contains("8388608 cells"), "{error}");
+    }
 }

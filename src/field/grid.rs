@@ -154,6 +154,11 @@ impl<T: Real> Grid<T> {
         }
     }
 
+    /// Multiplies every cell by `factor`.
+    pub fn scale(&mut self, factor: T) {
+        self.planes.iter_mut().flatten().for_each(|c| *c *= factor);
+    }
+
     /// Every cell with its SH vector, x fastest, z slowest.
     pub fn iter(&self) -> impl Iterator<Item = (Cell, Sh<T>)> + '_ {
         self.layout.cells().map(|cell| (cell, self.get(cell)))

@@ -20,7 +20,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::face::{far_solid_angle, side_solid_angle};
-use super::scheme::{Face, Scheme};
+use super::scheme::{Face, Scheme, Surface};
 
 /// The scheme as data.
 pub fn scheme() -> Scheme {
@@ -36,5 +36,6 @@ pub fn scheme() -> Scheme {
         source: "the thesis (000, 3.2.3) and NVIDIA's sample of cascaded light propagation volumes",
         flaws: "spreads like diffusion: a lobe's centre of mass stops at 0.70 cell; light bleeds back after two iterations",
         faces,
+        surface: Surface::Blocked,
     }
 }

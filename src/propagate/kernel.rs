@@ -9,6 +9,7 @@ mod carve;
 #[cfg(test)]
 mod conformance;
 pub mod form;
+pub mod occluded;
 pub mod plain;
 mod row;
 mod slab;

@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::cascaded;
+use super::{axial, blog, cascaded, cone, reflective};
 use crate::sh::Sh;
 
 /// One way by which light of cell A goes into its neighbour: an evaluation of A and a lobe added to B.
@@ -44,11 +44,22 @@ pub struct Scheme {
     /// The faces through which light enters the neighbour. The set must not change under the
     /// symmetries of the cube that keep +X.
     pub faces: Vec<Face>,
+    /// What becomes of light in a cell that an occluder occupies.
+    pub surface: Surface,
+}
+
+/// What becomes of light in a cell that an occluder occupies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Surface {
+    /// The occlusion mode decides: fuzzy blockers or hard ones.
+    Blocked,
+    /// It is mirrored on the axis along which it came (see [`super::reflective`]).
+    Mirrored,
 }
 
 /// Every scheme, the default first.
 pub fn all() -> Vec<Scheme> {
-    vec![cascaded::scheme()]
+    vec![cascaded::scheme(), blog::scheme(), axial::scheme(), cone::scheme(), reflective::scheme()]
 }
 
 /// The names of all schemes, the default first.

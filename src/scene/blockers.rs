@@ -9,10 +9,16 @@ use crate::field::Cell;
 
 /// The blockers of a volume of side `size`, z slowest, x fastest; `filled` is in the occluders' order.
 pub(super) fn resolve(mut filled: Vec<Filled>, size: usize) -> Vec<Blocker> {
-    // The sort is stable: of one cell's entries the last is the latest occluder's.
+    // The sort is stable: one cell's entries stay in the occluders' order.
     filled.sort_by_key(|f| (f.cell[2], f.cell[1], f.cell[0]));
-    let latest = |cells: &[Filled]| cells.last().copied().filter(|f| f.opacity > 0.0);
-    let filled: Vec<Filled> = filled.chunk_by(|a, b| a.cell == b.cell).filter_map(latest).collect();
+    filled.dedup_by(|later, kept| {
+        let same = later.cell == kept.cell;
+        if same {
+            *kept = *later;
+        }
+        same
+    });
+    filled.retain(|f| f.opacity > 0.0);
     let occupied = Occupied::new(&filled, size);
     let block = |f: &Filled| Blocker {
         cell: f.cell,

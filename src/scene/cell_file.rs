@@ -7,7 +7,8 @@
 //! - `x,y,z,a0,a1,a2,a3`: an accumulated or merged grid alone;
 //! - `x,y,z,c0,c1,c2,c3`: any light.
 //!
-//! A `.npy` file holds every cell; see [`npy`](super::npy).
+//! A `.npy` file holds every cell: an array of shape (n, n, n, 4), C order, indexed [z, y, x], with the same
+//! coefficients as f4 or f8 of either endianness. What is written is little-endian f4.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -15,7 +16,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::error::SceneError;
-use super::{npy, rows};
+use super::{MOST_CELLS, npy, rows};
 use crate::field::{Cell, Grid};
 use crate::sh::Sh;
 
@@ -32,10 +33,20 @@ pub enum Column {
     Accumulated,
 }
 
-/// Reads the lit cells of a file, at most `most`, for a volume of side `size`: z slowest, x fastest. A file
-/// whose name ends in `.npy` is read as such, any other as CSV. `column` chooses where the file holds
-/// both; where it holds one light that one is taken.
-pub fn read(path: &Path, size: usize, column: Column, most: usize) -> Result<Vec<(Cell, Sh<f64>)>, SceneError> {
+/// Reads the lit cells of a file for a volume of side `size`: z slowest, x fastest, at most
+/// [`MOST_CELLS`] of them. A file whose name ends in `.npy` is read as such, any other as CSV. `column` chooses
+/// where the file holds two lights; where it holds one that one is taken.
+pub fn read(path: &Path, size: usize, column: Column) -> Result<Vec<(Cell, Sh<f64>)>, SceneError> {
+    read_at_most(path, size, column, MOST_CELLS)
+}
+
+/// As [`read`], but at most `most` cells.
+pub(super) fn read_at_most(
+    path: &Path,
+    size: usize,
+    column: Column,
+    most: usize,
+) -> Result<Vec<(Cell, Sh<f64>)>, SceneError> {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npy")) {
         return npy::read(path, size, most);
     }

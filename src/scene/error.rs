@@ -149,14 +149,14 @@ fn one_line(text: &str) -> String {
 }
 
 /// The known name that `found` most likely means: the one with the fewest letters to change, if that
-/// is at most a third of them (and one at least).
+/// is at most half of them.
 pub fn nearest<'a>(found: &str, known: &[&'a str]) -> Option<&'a str> {
     let length = found.chars().count();
     if length > QUOTED {
         return None;
     }
     let (changes, name) = known.iter().map(|name| (changes(found, name), *name)).min_by_key(|&(n, _)| n)?;
-    (changes <= (length.max(name.len()) / 3).max(1)).then_some(name)
+    (2 * changes <= length.max(name.len())).then_some(name)
 }
 
 /// How many letters must be put in, taken out or replaced to get from `a` to `b`; case is free.
@@ -181,7 +181,7 @@ mod tests {
     #[test]
     fn a_misspelt_name_finds_its_neighbour_and_a_strange_one_finds_none() {
         let known = ["factor", "iterations", "scheme", "snapshots"];
-        for (found, meant) in [("fcator", "factor"), ("Factor", "factor"), ("iteration", "iterations")] {
+        for (found, meant) in [("fcator", "factor"), ("Factor", "factor"), ("shceme", "scheme")] {
             assert_eq!(nearest(found, &known), Some(meant));
         }
         assert_eq!(nearest("colour", &known), None);

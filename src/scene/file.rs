@@ -24,7 +24,7 @@ pub(super) fn open(path: &Path, limit: u64) -> Result<(File, u64), SceneError> {
 }
 
 /// A text file's contents, at most `limit` bytes of them.
-pub(super) fn read_text(path: &Path, limit: u64) -> Result<String, SceneError> {
+pub fn read_text(path: &Path, limit: u64) -> Result<String, SceneError> {
     let (file, _) = open(path, limit)?;
     let mut bytes = Vec::new();
     // The limit again, because a file may grow while it is read.

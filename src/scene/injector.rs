@@ -150,7 +150,7 @@ impl Injector {
     pub(super) fn light(&self, size: usize, folder: &Path, most: usize) -> Result<Vec<(Cell, Sh<f64>)>, SceneError> {
         if let InjectorKind::File { path, column } = &self.kind {
             let found = file::inside(folder, path).map_err(|p| p.field("path").field("kind"))?;
-            let mut light = cell_file::read(&found, size, *column, most)?;
+            let mut light = cell_file::read_at_most(&found, size, *column, most)?;
             let brightest = light.iter().fold(0.0, |m: f64, (_, sh)| m.max(sh.max_norm()));
             self.check_brightness(brightest)?;
             for (_, sh) in &mut light {
@@ -205,9 +205,9 @@ pub(super) fn unit(vector: [f64; 3], what: &str) -> Result<DVec3, Problem> {
     // The largest part first: squares of very long or very short vectors would overflow or vanish.
     let scaled = vector / vector.abs().max_element();
     scaled.try_normalize().ok_or_else(|| {
-        let (what, [x, y, z]) = (format!("the {what} ({}, {}, {})", vector.x, vector.y, vector.z), [1, 0, 0]);
+        let DVec3 { x, y, z } = vector;
         let fault = if vector.is_finite() { "has length zero" } else { "is not finite" };
-        Problem::new(format!("{what} {fault}"), format!("any other length will do, such as ({x}, {y}, {z})"))
+        Problem::new(format!("the {what} ({x}, {y}, {z}) {fault}"), "any other length will do, such as (1, 0, 0)")
     })
 }
 

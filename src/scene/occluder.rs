@@ -53,7 +53,7 @@ pub enum OccluderKind {
         /// Its coordinate on that axis.
         at: usize,
     },
-    /// The cells of a CSV file; see [`occluder_file`](super::occluder_file).
+    /// The cells of a CSV file with the header `x,y,z`, which `nx,ny,nz` (normals), `opacity` or both may follow.
     File {
         /// The file, relative to the preset's folder and inside it.
         path: PathBuf,

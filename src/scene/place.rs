@@ -14,6 +14,16 @@ pub(super) fn at_its_place(problem: Problem, text: &str, name: &Path) -> SceneEr
     SceneError::file(name, place, problem.what, problem.remedy)
 }
 
+impl SceneError {
+    /// The same fault, placed in the text that the document was read from; `name` is the file that it names.
+    pub fn at_its_place(self, text: &str, name: &Path) -> Self {
+        match self {
+            SceneError::Document(problem) => at_its_place(problem, text, name),
+            fault => fault,
+        }
+    }
+}
+
 /// Where the value at the end of `steps` begins, in bytes; the nearest enclosing value where it is not written.
 fn find(text: &str, steps: &[Step]) -> usize {
     let mut walk = Walk { text, at: 0 };

@@ -7,7 +7,9 @@ use ron::extensions::Extensions;
 use ron::ser::PrettyConfig;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::error::{Problem, SceneError, Step};
+use crate::propagate::scheme;
+
+use super::error::{Problem, SceneError, Step, nearest, quote};
 use super::injector::Injector;
 use super::occluder::{Occluder, Occlusion};
 use super::{file, place, syntax};
@@ -75,6 +77,8 @@ pub enum Snapshots {
     Thesis,
     /// NVIDIA's sample: S_1 := S_0 + p·P(S_0), so the source is propagated twice; S_1 + … + S_k.
     CopyFirst,
+    /// The light that has moved and no other: S_1 + … + S_k, with S_1 = p·P(S_0) as in the thesis.
+    WithoutInjected,
 }
 
 impl Default for Preset {
@@ -107,7 +111,9 @@ impl Default for Propagation {
 impl Preset {
     /// Reads a preset's text; `name` is the file that errors name.
     pub fn parse(text: &str, name: &Path) -> Result<Self, SceneError> {
-        let preset: Preset = dialect().from_str(text).map_err(|error| syntax::error(error, name))?;
+        // Some editors begin a text with a byte order mark.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let preset: Preset = dialect().from_str(text).map_err(|error| syntax::error(error, text, name))?;
         preset.check().map_err(|problem| place::at_its_place(problem, text, name))?;
         Ok(preset)
     }
@@ -155,8 +161,14 @@ impl Preset {
 
 impl Propagation {
     fn check(&self) -> Result<(), Problem> {
-        if self.scheme.trim().is_empty() {
-            return Err(Problem::new("the scheme has no name", "write `cascaded`").field("scheme"));
+        let known = scheme::names();
+        if !known.contains(&self.scheme.as_str()) {
+            let what = format!("the scheme {} is not known", quote(&self.scheme));
+            let remedy = match nearest(&self.scheme, &known) {
+                Some(near) => format!("did you mean `{near}`? Known are {}", known.join(", ")),
+                None => format!("known are {}", known.join(", ")),
+            };
+            return Err(Problem::new(what, remedy).field("scheme"));
         }
         not_negative(self.factor, "the factor").map_err(|p| p.field("factor"))?;
         if self.iterations > MOST_ITERATIONS {

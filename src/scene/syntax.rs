@@ -8,37 +8,55 @@ use ron::error::SpannedError;
 use super::error::{Place, SceneError, nearest, quote};
 
 /// A fault that RON's parser found in a preset's text; `name` is the preset's file.
-pub(super) fn error(error: SpannedError, name: &Path) -> SceneError {
+pub(super) fn error(error: SpannedError, text: &str, name: &Path) -> SceneError {
     let (what, remedy) = explain(&error.code);
-    let start = error.span.start;
-    SceneError::file(name, Place { line: start.line, column: Some(start.col) }, what, remedy)
+    let (line, column) = (error.span.start.line, error.span.start.col);
+    // The parser stands before the blanks that lead to what it refused.
+    let rest = text.lines().nth(line.saturating_sub(1)).unwrap_or("").chars().skip(column.saturating_sub(1));
+    let blanks = rest.take_while(|c| c.is_whitespace()).count();
+    SceneError::file(name, Place { line, column: Some(column + blanks) }, what, remedy)
 }
 
 fn explain(code: &Error) -> (String, String) {
-    match code {
+    let (what, remedy) = match code {
         Error::NoSuchStructField { expected, found, .. } => {
-            (format!("there is no field {}", quote(found)), choose(found, expected))
+            return (format!("there is no field {}", quote(found)), choose(found, expected));
         }
         Error::NoSuchEnumVariant { expected, found, .. } => {
-            (format!("{} is not known here", quote(found)), choose(found, expected))
+            return (format!("{} is not known here", quote(found)), choose(found, expected));
         }
         Error::MissingStructField { field, .. } => {
-            (format!("the field `{field}` is missing"), format!("write `{field}: …`"))
+            return (format!("the field `{field}` is missing before this"), format!("write `{field}: …`"));
         }
         Error::DuplicateStructField { field, .. } => {
-            (format!("the field `{field}` is given twice"), "give it once".to_owned())
+            return (format!("the field `{field}` is given twice"), "give it once".to_owned());
         }
-        Error::ExceededRecursionLimit => {
-            ("brackets are nested too deeply".to_owned(), "a preset needs six at most".to_owned())
+        Error::ExpectedDifferentLength { found, .. } => {
+            return (format!("{found} numbers where three should be"), "write (x, y, z)".to_owned());
         }
         // The version's own message, which says what would be right.
-        Error::Message(message) => match message.split_once("; ") {
-            Some((what, remedy)) => (what.to_owned(), remedy.to_owned()),
-            None => (message.clone(), "see the presets that come with the program".to_owned()),
-        },
-        other => (other.to_string(), "see the presets that come with the program for the form".to_owned()),
-    }
+        Error::Message(message) => message.split_once("; ").unwrap_or((message, FORM)),
+        Error::ExpectedNamedStructLike("Preset") | Error::ExpectedDifferentStructName { expected: "Preset", .. } => {
+            ("this is no preset", "a preset is `(version: 1, …)`")
+        }
+        Error::Eof => ("the text ends too early", "close every bracket"),
+        Error::ExceededRecursionLimit => ("brackets are nested too deeply", "a preset needs six at most"),
+        Error::ExpectedBoolean => ("this should be true or false", "write one of them"),
+        Error::ExpectedComma => ("a comma should stand before this", "whole numbers have no fraction, brackets close"),
+        Error::ExpectedFloat => ("this should be a number", "write one such as 0.5"),
+        Error::ExpectedInteger => ("this should be a whole number", "write one, zero or more"),
+        Error::ExpectedString => ("this should be text", "write it in double quotes"),
+        Error::ExpectedStringEnd => ("the text that begins here does not end", "close its quotes"),
+        Error::ExpectedStructLikeEnd => ("a `)` should stand here", "cells, directions and colours have three numbers"),
+        Error::IntegerOutOfBounds => ("this whole number does not fit here", "write one, zero or more, of usual size"),
+        Error::TrailingCharacters => ("the preset has ended before this", "leave it out"),
+        other => return (other.to_string(), FORM.to_owned()),
+    };
+    (what.to_owned(), remedy.to_owned())
 }
+
+/// The remedy where the parser's message says all there is to say.
+const FORM: &str = "compare the presets that come with the program";
 
 /// The known name that was most likely meant, or all of them.
 fn choose(found: &str, known: &[&str]) -> String {

@@ -1,0 +1,114 @@
+//! The headless commands, each a few lines over `study` and `report`.
+
+mod cells;
+mod load;
+mod output;
+mod presets;
+mod run;
+
+use std::path::PathBuf;
+
+use clap::{CommandFactory, Parser, Subcommand};
+
+pub use load::{SceneArgs, open};
+pub use run::RunArgs;
+
+/// The exit code of a run that failed.
+pub const FAILED: u8 = 1;
+/// The exit code of arguments or files that are wrong.
+pub const WRONG_INPUT: u8 = 2;
+
+/// An interactive laboratory for light propagation volumes in an octree.
+#[derive(Parser, Debug)]
+#[command(
+    name = "lpv-lab",
+    version,
+    args_conflicts_with_subcommands = true,
+    after_help = "Examples:\n  lpv-lab                                open the window on the default preset\n  \
+                  lpv-lab presets/mixed.ron              open the window on a preset\n  \
+                  lpv-lab run presets/mixed.ron          the same headless: errors, plots and pictures\n\n\
+                  Exit codes: 0 done, 1 the run failed, 2 the arguments or a file are wrong."
+)]
+pub struct Cli {
+    /// A preset to open in the window: a file, or the name of a built-in one
+    pub preset: Option<PathBuf>,
+    #[command(subcommand)]
+    /// What to do headless, if anything.
+    pub command: Option<Command>,
+}
+
+/// A headless command.
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    /// Run a preset and write its error curves and pictures
+    Run(RunArgs),
+    /// Print the light of every cell that is not dark, as CSV or .npy
+    Cells(cells::CellsArgs),
+    /// List the built-in presets, or write them to a folder
+    Presets(presets::PresetsArgs),
+    /// Print completions for a shell
+    #[command(after_help = "Example:\n  lpv-lab completions bash > ~/.local/share/bash-completion/completions/lpv-lab")]
+    Completions {
+        /// The shell to complete in
+        shell: clap_complete::Shell,
+    },
+}
+
+/// Why a command ended without doing its work.
+#[derive(Debug, thiserror::Error)]
+pub enum CliError {
+    /// The arguments or a file are wrong: exit code 2.
+    #[error("{0}")]
+    Input(String),
+    /// The run failed: exit code 1.
+    #[error("{0}")]
+    Failed(String),
+}
+
+impl CliError {
+    /// A file that could not be written.
+    pub fn cannot_write(path: &std::path::Path, why: impl std::fmt::Display) -> Self {
+        CliError::Failed(format!("{}: cannot write: {why}", path.display()))
+    }
+
+    /// The exit code that goes with it.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            CliError::Input(_) => WRONG_INPUT,
+            CliError::Failed(_) => FAILED,
+        }
+    }
+}
+
+impl From<crate::scene::SceneError> for CliError {
+    fn from(error: crate::scene::SceneError) -> Self {
+        CliError::Input(error.to_string())
+    }
+}
+
+impl From<crate::simulation::SimulationError> for CliError {
+    fn from(error: crate::simulation::SimulationError) -> Self {
+        CliError::Input(error.to_string())
+    }
+}
+
+/// What clap says of wrong arguments, in one line: its first paragraph.
+pub fn in_one_line(error: &clap::Error) -> String {
+    let text = error.to_string();
+    let paragraph: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
+    let said = paragraph.join(" ");
+    format!("{}; see `lpv-lab --help`", said.strip_prefix("error: ").unwrap_or(&said))
+}
+
+/// Does a headless command.
+pub fn execute(command: Command) -> Result<(), CliError> {
+    match command {
+        Command::Run(args) => run::run(&args),
+        Command::Cells(args) => cells::run(&args),
+        Command::Presets(args) => presets::run(&args),
+        Command::Completions { shell } => {
+            clap_complete::generate(shell, &mut Cli::command(), "lpv-lab", &mut std::io::stdout());
+            Ok(())
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! The preset argument that every command shares, and what the command line changes of it.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::CliError;
+use crate::scene::preset::LONGEST;
+use crate::scene::{Preset, Scene, builtin, file};
+
+/// A preset and what is to be different from what it says.
+#[derive(Args, Debug, Clone, Default)]
+pub struct SceneArgs {
+    /// The preset: a file, or the name of a built-in one
+    pub preset: PathBuf,
+    /// Propagation iterations, k
+    #[arg(long, value_name = "K")]
+    pub iterations: Option<usize>,
+    /// The propagation scheme; `lpv-lab schemes` lists them
+    #[arg(long, value_name = "NAME")]
+    pub scheme: Option<String>,
+    /// The propagation factor, p
+    #[arg(long, value_name = "P")]
+    pub factor: Option<f64>,
+    /// The side of the coarsest octree level
+    #[arg(long, value_name = "SIDE")]
+    pub coarsest: Option<usize>,
+    /// Let faces carry negative flux
+    #[arg(long)]
+    pub no_clamp: bool,
+}
+
+impl SceneArgs {
+    /// The preset as changed by the other arguments, and the scene it makes.
+    pub fn load(&self) -> Result<(Preset, Scene), CliError> {
+        let Opened { mut preset, text, folder } = open(&self.preset)?;
+        let propagation = &mut preset.propagation;
+        if let Some(iterations) = self.iterations {
+            propagation.iterations = iterations;
+        }
+        if let Some(scheme) = &self.scheme {
+            propagation.scheme.clone_from(scheme);
+        }
+        if let Some(factor) = self.factor {
+            propagation.factor = factor;
+        }
+        if self.no_clamp {
+            propagation.clamp = false;
+        }
+        if let Some(coarsest) = self.coarsest {
+            preset.coarsest = coarsest;
+        }
+        // What the file says was right when it was opened, so a problem here is the command line's.
+        preset.check().map_err(|problem| CliError::Input(format!("the command line: {problem}")))?;
+        let scene = Scene::build(&preset, &folder).map_err(|error| error.at_its_place(&text, &self.preset))?;
+        Ok((preset, scene))
+    }
+
+    /// A name for what the preset makes: its file name without the ending.
+    pub fn stem(&self) -> String {
+        self.preset.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+    }
+}
+
+/// A preset that has been read.
+pub struct Opened {
+    /// The document.
+    pub preset: Preset,
+    /// The text it was read from.
+    pub text: String,
+    /// The folder that its paths are relative to.
+    pub folder: PathBuf,
+}
+
+/// Reads a preset from a file, or a built-in one by its name.
+pub fn open(path: &Path) -> Result<Opened, CliError> {
+    if let Some(text) = path.to_str().and_then(builtin::find).filter(|_| !path.exists()) {
+        let preset = Preset::parse(text, path)?;
+        let folder = builtin::folder().map_err(|e| CliError::Failed(format!("the built-in presets' files: {e}")))?;
+        return Ok(Opened { preset, text: text.to_owned(), folder });
+    }
+    let text = file::read_text(path, LONGEST)?;
+    let preset = Preset::parse(&text, path)?;
+    Ok(Opened { preset, text, folder: path.parent().unwrap_or(Path::new("")).to_path_buf() })
+}

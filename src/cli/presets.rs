@@ -1,0 +1,42 @@
+//! `presets`: what the program brings along.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::CliError;
+use crate::scene::{Preset, builtin};
+
+/// Where to write them, if anywhere.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  lpv-lab presets\n  lpv-lab presets --out my-presets")]
+pub struct PresetsArgs {
+    /// Write all presets, with their cell files, to this folder; files that are there are kept
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// Does the command.
+pub fn run(args: &PresetsArgs) -> Result<(), CliError> {
+    let Some(folder) = &args.out else {
+        let width = builtin::PRESETS.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
+        for (name, text) in builtin::PRESETS {
+            let preset = Preset::parse(text, Path::new(name))?;
+            println!("{name:width$}  {:>3}³  {}", preset.size, preset.title);
+        }
+        return Ok(());
+    };
+    for (path, text) in builtin::files() {
+        let path = folder.join(path);
+        if path.exists() {
+            println!("{}: kept", path.display());
+            continue;
+        }
+        let parent = path.parent().unwrap_or(folder);
+        std::fs::create_dir_all(parent)
+            .and_then(|()| std::fs::write(&path, text))
+            .map_err(|e| CliError::cannot_write(&path, e))?;
+        println!("{}", path.display());
+    }
+    Ok(())
+}

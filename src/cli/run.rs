@@ -1,0 +1,292 @@
+//! `run`: a preset from injection to merge, with its error curves and pictures.
+
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+
+use super::cells::LevelArg;
+use super::output::Folder;
+use super::{CliError, SceneArgs};
+use crate::report::colour::{Paint, Theme};
+use crate::report::error_plot::ErrorPlot;
+use crate::report::glyph::Hue;
+use crate::report::picture::{Panel, Picture};
+use crate::report::slice::{Axis, Plane, Slice};
+use crate::report::table;
+use crate::simulation::{Light, Simulation};
+use crate::study::error::{self, ErrorRow};
+
+/// What to run, what to look at, where to write.
+#[derive(Args, Debug, Clone)]
+#[command(after_help = "Examples:\n  lpv-lab run presets/two-walls.ron --iterations 8 --out results\n  \
+                        lpv-lab run mixed --factor 3.8 --axis linear --slice y=4 --level 1\n\n\
+                        Written to the folder: errors.csv, errors.svg, errors.png, the source, target and accumulated grids as\n\
+                        level-I.svg, level-I.png, merged.svg, merged.png, and summary.ron.")]
+pub struct RunArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// The folder for the results [default: lpv-lab-results/PRESET]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// The octree level to picture, 0 the finest; merged is always pictured
+    #[arg(long, value_name = "I", default_value_t = 0)]
+    level: usize,
+    /// The slice to picture, such as z=16 [default: across z, where most light is injected]
+    #[arg(long, value_name = "AXIS=CELL")]
+    slice: Option<SliceArg>,
+    /// The scale of the error axes; on a linear one the largest error hides the mean
+    #[arg(long, value_enum, default_value_t = ScaleArg::Log)]
+    axis: ScaleArg,
+    /// The scale of the glyphs' radius; on a linear one light far from its source is too small to be seen
+    #[arg(long, value_enum, default_value_t = ScaleArg::Log)]
+    glyphs: ScaleArg,
+    /// The colours of plots and pictures
+    #[arg(long, value_enum, default_value_t = ThemeArg::Light)]
+    theme: ThemeArg,
+}
+
+/// An axis and a cell along it.
+#[derive(Clone, Copy, Debug)]
+struct SliceArg(Axis, usize);
+
+impl std::str::FromStr for SliceArg {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts = text.split_once('=').and_then(|(axis, cell)| {
+            let axis = Axis::ALL.into_iter().find(|a| Axis::name(a.across()) == axis.to_lowercase())?;
+            Some(SliceArg(axis, cell.parse().ok()?))
+        });
+        parts.ok_or_else(|| "a slice is an axis and a cell along it, such as z=16".to_owned())
+    }
+}
+
+/// Even steps, or powers of ten.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum ScaleArg {
+    Linear,
+    Log,
+}
+
+/// How many powers of ten a logarithmic glyph spans.
+const GLYPH_DECADES: f32 = 4.0;
+
+/// Light or dark.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum ThemeArg {
+    Light,
+    Dark,
+}
+
+impl ThemeArg {
+    fn theme(self) -> Theme {
+        match self {
+            ThemeArg::Light => Theme::LIGHT,
+            ThemeArg::Dark => Theme::DARK,
+        }
+    }
+}
+
+impl RunArgs {
+    /// The arguments of `lpv-lab run PRESET`.
+    pub fn of(preset: PathBuf) -> Self {
+        RunArgs {
+            scene: SceneArgs { preset, ..SceneArgs::default() },
+            out: None,
+            level: 0,
+            slice: None,
+            axis: ScaleArg::Log,
+            glyphs: ScaleArg::Log,
+            theme: ThemeArg::Light,
+        }
+    }
+
+    /// The preset to run.
+    pub fn preset(&self) -> &Path {
+        &self.scene.preset
+    }
+
+    /// The folder for the results.
+    pub fn out(&self) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| Path::new("lpv-lab-results").join(self.scene.stem()))
+    }
+}
+
+/// What summary.ron says of a run.
+#[derive(Serialize)]
+struct Summary<'a> {
+    title: &'a str,
+    size: usize,
+    levels: usize,
+    channels: usize,
+    scheme: &'a str,
+    factor: f64,
+    iterations: usize,
+    /// Seconds for all actions, errors and pictures aside.
+    seconds: f64,
+    /// Σ c00 of the accumulated light on level 0, all channels.
+    energy: f64,
+    /// Cells that have received light, for each level.
+    lit: Vec<usize>,
+    /// The thesis metric over all levels after the last iteration.
+    absolute_mean: f64,
+    relative_mean: f64,
+    undefined: usize,
+}
+
+/// Does the command.
+pub fn run(args: &RunArgs) -> Result<(), CliError> {
+    let (preset, scene) = args.scene.load()?;
+    let plane = plane(args.slice, scene.size, |axis| scene.brightest_slab(axis))?;
+    let mut simulation = Simulation::<f32>::new(scene)?;
+    LevelArg::Level(args.level).check(simulation.sizes().count())?;
+    let folder = Folder::create(args.out())?;
+
+    let started = Instant::now();
+    let (rows, aside) = propagate(&mut simulation);
+    let seconds = started.elapsed().as_secs_f64() - aside;
+
+    let title = if preset.title.is_empty() { args.scene.stem() } else { preset.title.clone() };
+    let mut csv = Vec::new();
+    table::errors(&rows).write_csv(&mut csv).map_err(|e| CliError::Failed(format!("errors.csv: {e}")))?;
+    folder.write("errors.csv", csv)?;
+    let all_levels: Vec<ErrorRow> = rows.iter().filter(|row| row.level.is_none()).copied().collect();
+    let plot = ErrorPlot {
+        title: &format!("{title}: error after each iteration"),
+        rows: &all_levels,
+        log: args.axis == ScaleArg::Log,
+        current: None,
+        theme: args.theme.theme(),
+        size: [960, 900],
+    };
+    folder.write_svg_and_png("errors", &plot.figure().to_svg())?;
+    let views =
+        [(format!("level-{}", args.level), LevelArg::Level(args.level)), ("merged".to_owned(), LevelArg::Merged)];
+    for (name, view) in views {
+        folder.write_svg_and_png(&name, &picture(args, &simulation, &title, view, plane))?;
+    }
+
+    let propagation = &simulation.scene().propagation;
+    let summary = Summary {
+        title: &title,
+        size: simulation.sizes().finest(),
+        levels: simulation.sizes().count(),
+        channels: simulation.channels().count(),
+        scheme: &propagation.scheme,
+        factor: propagation.factor,
+        iterations: simulation.iteration(),
+        seconds,
+        energy: simulation.lights().iter().map(|light| light.accumulated.level(0).energy()).sum(),
+        lit: (0..simulation.sizes().count()).map(|i| simulation.index().level(i).count()).collect(),
+        absolute_mean: all_levels.last().map_or(0.0, |row| row.absolute_mean),
+        relative_mean: all_levels.last().map_or(0.0, |row| row.relative_mean),
+        undefined: all_levels.last().map_or(0, |row| row.undefined),
+    };
+    let text = ron::ser::to_string_pretty(&summary, ron::ser::PrettyConfig::new())
+        .map_err(|e| CliError::Failed(format!("summary.ron: {e}")))?;
+    folder.write("summary.ron", text.as_bytes())?;
+    println!("{} iterations in {seconds:.3} s; results in {}", simulation.iteration(), folder.path().display());
+    Ok(())
+}
+
+/// Runs the scene with a line for every iteration; the errors, and the seconds that measuring and printing took.
+fn propagate(simulation: &mut Simulation<f32>) -> (Vec<ErrorRow>, f64) {
+    let bar = match std::io::stderr().is_terminal() {
+        true => ProgressBar::new(simulation.scene().propagation.iterations as u64),
+        false => ProgressBar::hidden(),
+    };
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} iteration {pos} of {len}, {eta} left") {
+        bar.set_style(style);
+    }
+    println!(
+        "{:>9}  {:>12}  {:>12}  {:>12}  {:>12}  {:>12}  {:>9}",
+        "iteration", "energy left", "abs mean", "abs max", "rel mean", "rel max", "undefined"
+    );
+    let mut rows = Vec::new();
+    let mut aside = 0.0;
+    simulation.run(|now| {
+        let started = Instant::now();
+        let errors = error::thesis(now);
+        let energy: f64 = now.lights().iter().map(|light| light.source.level(0).energy()).sum();
+        let all = errors[0];
+        bar.suspend(|| {
+            println!(
+                "{:>9}  {:>12.6}  {:>12.5e}  {:>12.5e}  {:>12.5e}  {:>12.5e}  {:>9}",
+                all.iteration,
+                energy,
+                all.absolute_mean,
+                all.absolute_max,
+                all.relative_mean,
+                all.relative_max,
+                all.undefined
+            );
+        });
+        bar.set_position(now.iteration() as u64);
+        rows.extend(errors);
+        aside += started.elapsed().as_secs_f64();
+        true
+    });
+    bar.finish_and_clear();
+    (rows, aside)
+}
+
+/// The slice asked for, or the one across z in which most light is injected.
+fn plane(asked: Option<SliceArg>, size: usize, brightest: impl Fn(usize) -> usize) -> Result<Plane, CliError> {
+    match asked {
+        Some(SliceArg(axis, index)) if index >= size => Err(CliError::Input(format!(
+            "--slice {}={index}: outside the volume; cells go from 0 to {}",
+            Axis::name(axis.across()),
+            size - 1
+        ))),
+        Some(SliceArg(axis, index)) => Ok(Plane { axis, index }),
+        None => Ok(Plane { axis: Axis::Z, index: brightest(Axis::Z.across()) }),
+    }
+}
+
+/// Source, target and accumulated light side by side, as SVG.
+fn picture(args: &RunArgs, simulation: &Simulation<f32>, title: &str, view: LevelArg, plane: Plane) -> String {
+    let cut = |octree: fn(&Light<f32>) -> &crate::field::Octree<f32>| {
+        let octrees: Vec<_> = simulation.lights().iter().map(octree).collect();
+        match view {
+            LevelArg::Level(i) => {
+                let grids: Vec<_> = octrees.iter().map(|octree| octree.level(i)).collect();
+                Slice::level(&grids, simulation.channels(), i, plane)
+            }
+            LevelArg::Merged => Slice::merged(&octrees, simulation.index(), simulation.channels(), plane),
+        }
+    };
+    let k = simulation.iteration();
+    let slices = [cut(|light| &light.source), cut(|light| &light.target), cut(|light| &light.accumulated)];
+    let target = if k == 0 { "Target".to_owned() } else { format!("Target, still S_{}", k - 1) };
+    let names = [format!("Source, S_{k}"), target, "Accumulated, S_A".to_owned()];
+    let decades = (args.glyphs == ScaleArg::Log).then_some(GLYPH_DECADES);
+    let panels = names.iter().zip(&slices).map(|(name, slice)| Panel::fitted(name, slice, Hue::Mean, decades));
+    let propagation = &simulation.scene().propagation;
+    let what = match view {
+        LevelArg::Level(i) => format!("level {i}"),
+        LevelArg::Merged => "all levels merged".to_owned(),
+    };
+    let subtitle = format!(
+        "{what}, {} = {}, k = {k}, {}, p = {}",
+        Axis::name(plane.axis.across()),
+        plane.index,
+        propagation.scheme,
+        propagation.factor
+    );
+    let [red, green, blue] = simulation.channels().rgb();
+    let white = red == green && green == blue;
+    let picture = Picture {
+        title,
+        subtitle: &subtitle,
+        panels: panels.collect(),
+        hue: Hue::Mean,
+        paint: if white { Paint::Single } else { Paint::Light },
+        heat: false,
+        theme: args.theme.theme(),
+        width: 1800,
+    };
+    picture.to_svg()
+}

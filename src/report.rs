@@ -1,0 +1,17 @@
+//! What the lab shows: slices of light as polar glyphs, pictures, plots and tables.
+//!
+//! Everything here is pure: values in, outlines, text or bytes out. The window draws the same
+//! [`mod@slice`], [`glyph`] and [`colour`] with its own meshes.
+
+mod axis;
+pub mod colour;
+pub mod error_plot;
+pub mod glyph;
+mod legend;
+pub mod number;
+pub mod picture;
+pub mod plot;
+pub mod raster;
+pub mod slice;
+mod svg;
+pub mod table;

@@ -1,0 +1,340 @@
+//! Curves as a figure for a paper: one or more plots above each other, as SVG or PNG.
+
+use super::axis::Axis;
+use super::colour::Theme;
+use super::raster::{self, RasterError};
+use super::svg::{Anchor, PathData, Stroke, Svg, Type, text_width};
+
+/// How a curve is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Dash {
+    /// In one go.
+    #[default]
+    Solid,
+    /// In dashes.
+    Dashed,
+    /// In dots.
+    Dotted,
+}
+
+/// A curve: points in the order in which they are joined.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// What the legend says; empty to leave it out.
+    pub name: String,
+    /// (x, y). Where a point has no place (not finite, or not above zero on a logarithmic axis) the
+    /// curve is interrupted.
+    pub points: Vec<[f64; 2]>,
+    /// Which of [`Theme::curve`]'s colours.
+    pub color: usize,
+    /// How it is drawn.
+    pub dash: Dash,
+}
+
+/// A place on the x axis that is pointed out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// Where.
+    pub x: f64,
+    /// What it says.
+    pub label: String,
+}
+
+/// Curves with common axes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Plot {
+    /// What it shows.
+    pub title: String,
+    /// What x is, with its unit.
+    pub x_label: String,
+    /// What y is, with its unit.
+    pub y_label: String,
+    /// Whether y goes by powers of ten.
+    pub log_y: bool,
+    /// The curves, the first on top of the others.
+    pub curves: Vec<Curve>,
+    /// Places to point out.
+    pub marks: Vec<Mark>,
+}
+
+/// Plots above each other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// The head line; may be empty.
+    pub title: String,
+    /// The plots, from top to bottom.
+    pub plots: Vec<Plot>,
+    /// The colours.
+    pub theme: Theme,
+    /// Width and height, in pixels.
+    pub size: [u32; 2],
+}
+
+/// Curves of at most this many points show each of them.
+const DOTTED_UP_TO: usize = 40;
+
+impl Figure {
+    /// The figure as SVG.
+    pub fn to_svg(&self) -> String {
+        let [width, height] = self.size.map(|side| f64::from(side.max(64)));
+        let em = (width / 66.0).max(6.0);
+        let margin = 1.3 * em;
+        let set = |size: f64, color, anchor| Type { size: size * em, color, anchor };
+        let mut svg = Svg::new(width, height, self.theme.ground, &self.title);
+        let mut top = margin;
+        if !self.title.is_empty() {
+            let title = set(1.4, self.theme.ink, Anchor::Start).fitting(&self.title, width - 2.0 * margin);
+            svg.text([margin, top + 1.1 * em], &self.title, title);
+            top += 2.2 * em;
+        }
+        let names = self.plots.iter().flat_map(|plot| &plot.curves).map(|curve| text_width(&curve.name, em));
+        let widest = names.fold(0.0, f64::max);
+        let legend = if widest > 0.0 { (widest + 4.2 * em).min(0.36 * width) } else { 0.0 };
+        let each = (height - margin - top) / self.plots.len().max(1) as f64;
+        let axes: Vec<[Axis; 2]> = self.plots.iter().map(Plot::axes).collect();
+        // All plots begin at the same distance from the left, so that their x axes can be compared.
+        let labels = axes.iter().flat_map(|[_, y]| y.ticks(8)).filter_map(|tick| tick.label);
+        let gutter = labels.map(|label| text_width(&label, 0.95 * em)).fold(2.0 * em, f64::max) + 2.6 * em;
+        let mut explained: Vec<(&str, usize, Dash)> = Vec::new();
+        for (plot, axes) in self.plots.iter().zip(&axes) {
+            // Marks have a line of their own between the title and the curves.
+            let head = if plot.marks.is_empty() { 1.9 * em } else { 3.1 * em };
+            let corner = [margin + gutter, top + head];
+            let size = [(width - 2.0 * margin - gutter - legend).max(em), (each - head - 3.5 * em).max(em)];
+            let frame = Frame { corner, size, em, axes };
+            self.draw_axes(&mut svg, plot, &frame);
+            frame.draw_curves(&mut svg, plot, &self.theme);
+            let entries: Vec<_> = plot.curves.iter().map(|c| (c.name.as_str(), c.color, c.dash)).collect();
+            if entries != explained {
+                let at = [corner[0] + size[0] + 1.4 * em, corner[1]];
+                self.draw_legend(&mut svg, &entries, at, legend - 1.4 * em, em);
+                explained = entries;
+            }
+            top += each;
+        }
+        svg.finish()
+    }
+
+    /// The figure as a PNG file's bytes.
+    ///
+    /// # Errors
+    /// Where it is too large to be held in memory.
+    pub fn to_png(&self) -> Result<Vec<u8>, RasterError> {
+        raster::png(&self.to_svg())
+    }
+
+    fn draw_axes(&self, svg: &mut Svg, plot: &Plot, frame: &Frame) {
+        let (theme, em) = (&self.theme, frame.em);
+        let ([left, top], [width, height]) = (frame.corner, frame.size);
+        let (right, bottom) = (left + width, top + height);
+        let set = |size: f64, color, anchor| Type { size: size * em, color, anchor };
+        let title = set(1.1, theme.ink, Anchor::Start).fitting(&plot.title, width);
+        let above = if plot.marks.is_empty() { 0.7 * em } else { 1.9 * em };
+        svg.text([left, top - above], &plot.title, title);
+        let (thin, thick) = ((0.06 * em).max(0.5), (0.09 * em).max(0.75));
+        for tick in frame.axes[1].ticks((height / (2.6 * em)) as usize) {
+            let y = bottom - height * frame.axes[1].share(tick.value);
+            match tick.label {
+                Some(label) => {
+                    svg.line([left, y], [right, y], Stroke::solid(theme.grid, thin));
+                    svg.text([left - 0.55 * em, y + 0.33 * em], &label, set(0.95, theme.muted, Anchor::End));
+                }
+                None => svg.line([left, y], [left + 0.35 * em, y], Stroke::solid(theme.muted, thin)),
+            }
+        }
+        for tick in frame.axes[0].ticks((width / (4.5 * em)) as usize) {
+            let x = left + width * frame.axes[0].share(tick.value);
+            svg.line([x, top], [x, bottom], Stroke::solid(theme.grid, thin));
+            svg.text([x, bottom + 1.3 * em], &tick.label.unwrap_or_default(), set(0.95, theme.muted, Anchor::Middle));
+        }
+        let mut path = PathData::default();
+        path.start([left, top]);
+        path.to([left, bottom]);
+        path.to([right, bottom]);
+        svg.outline(path.as_str(), Stroke::solid(theme.muted, thick));
+        svg.text([left + width / 2.0, bottom + 2.75 * em], &plot.x_label, set(1.0, theme.ink, Anchor::Middle));
+        let y_label = set(1.0, theme.ink, Anchor::Middle).fitting(&plot.y_label, height + 3.0 * em);
+        svg.turned_text([0.5 * em + y_label.size, top + height / 2.0], &plot.y_label, y_label, -90.0);
+    }
+
+    fn draw_legend(&self, svg: &mut Svg, entries: &[(&str, usize, Dash)], at: [f64; 2], width: f64, em: f64) {
+        let named = entries.iter().filter(|(name, ..)| !name.is_empty());
+        for (line, (name, color, dash)) in named.enumerate() {
+            let y = at[1] + em * (0.6 + 1.5 * line as f64);
+            svg.line([at[0], y], [at[0] + 2.0 * em, y], stroke(&self.theme, *color, *dash, em));
+            let set = Type { size: em, color: self.theme.ink, anchor: Anchor::Start };
+            svg.text([at[0] + 2.5 * em, y + 0.34 * em], name, set.fitting(name, width - 2.5 * em));
+        }
+    }
+}
+
+impl Plot {
+    /// The x and y axes that show all that can be shown of the curves.
+    fn axes(&self) -> [Axis; 2] {
+        let points = || self.curves.iter().flat_map(|curve| &curve.points);
+        // An x whose y has no place counts as well: linear and logarithmic plots have the same x axis.
+        [Axis::tight(points().map(|[x, _]| *x)), Axis::rounded(points().map(|[_, y]| *y), self.log_y)]
+    }
+
+    fn shows(&self, &[x, y]: &[f64; 2]) -> bool {
+        Axis::shows(x, false) && Axis::shows(y, self.log_y)
+    }
+}
+
+/// Where a plot's axes lie in the figure.
+struct Frame<'a> {
+    /// Upper left, in pixels.
+    corner: [f64; 2],
+    /// Width and height, in pixels.
+    size: [f64; 2],
+    /// The height of ordinary text, in pixels.
+    em: f64,
+    axes: &'a [Axis; 2],
+}
+
+impl Frame<'_> {
+    fn place(&self, &[x, y]: &[f64; 2]) -> [f64; 2] {
+        let [left, top] = self.corner;
+        [left + self.size[0] * self.axes[0].share(x), top + self.size[1] * (1.0 - self.axes[1].share(y))]
+    }
+
+    fn draw_curves(&self, svg: &mut Svg, plot: &Plot, theme: &Theme) {
+        self.draw_marks(svg, plot, theme);
+        for curve in plot.curves.iter().rev() {
+            let mut path = PathData::default();
+            for run in curve.points.split(|point| !plot.shows(point)) {
+                for (i, point) in run.iter().map(|point| self.place(point)).enumerate() {
+                    if i == 0 { path.start(point) } else { path.to(point) }
+                }
+                // A point between two gaps has no line to show it.
+                if run.len() == 1 || curve.points.len() <= DOTTED_UP_TO {
+                    let dots = run.iter().map(|point| self.place(point));
+                    dots.for_each(|at| svg.disc(at, 0.2 * self.em, theme.curve(curve.color)));
+                }
+            }
+            svg.outline(path.as_str(), stroke(theme, curve.color, curve.dash, self.em));
+        }
+        if !plot.curves.iter().flat_map(|curve| &curve.points).any(|point| plot.shows(point)) {
+            let at = [self.corner[0] + self.size[0] / 2.0, self.corner[1] + self.size[1] / 2.0];
+            svg.text(at, "nothing to show", Type { size: self.em, color: theme.muted, anchor: Anchor::Middle });
+        }
+    }
+
+    fn draw_marks(&self, svg: &mut Svg, plot: &Plot, theme: &Theme) {
+        let ([left, top], [width, height]) = (self.corner, self.size);
+        for mark in &plot.marks {
+            let share = self.axes[0].share(mark.x);
+            if !(0.0..=1.0).contains(&share) {
+                continue;
+            }
+            let x = left + width * share;
+            let stroke = Stroke { color: theme.muted, width: (0.08 * self.em).max(0.75), dashes: &[3.0, 3.0] };
+            svg.line([x, top], [x, top + height], stroke);
+            let half = text_width(&mark.label, 0.95 * self.em) / 2.0;
+            let at = x.min(left + width - half).max(left + half);
+            let set = Type { size: 0.95 * self.em, color: theme.muted, anchor: Anchor::Middle };
+            svg.text([at, top - 0.5 * self.em], &mark.label, set);
+        }
+    }
+}
+
+fn stroke(theme: &Theme, color: usize, dash: Dash, em: f64) -> Stroke {
+    let dashes: &[f64] = match dash {
+        Dash::Solid => &[],
+        Dash::Dashed => &[6.0, 4.0],
+        Dash::Dotted => &[1.5, 3.0],
+    };
+    Stroke { color: theme.curve(color), width: (0.14 * em).max(1.0), dashes }
+}
+
+#[cfg(test)]
+mod tests {
+    use resvg::tiny_skia::Pixmap;
+    use resvg::usvg::roxmltree::{Document, Node};
+
+    use super::*;
+
+    fn figure(plot: Plot) -> Figure {
+        Figure { title: "a < b".to_owned(), plots: vec![plot], theme: Theme::LIGHT, size: [800, 500] }
+    }
+
+    fn plot(points: Vec<[f64; 2]>, log_y: bool) -> Plot {
+        let curve = Curve { name: "mean".to_owned(), points, color: 0, dash: Dash::Solid };
+        Plot { log_y, curves: vec![curve], ..Plot::default() }
+    }
+
+    /// The attribute of every element drawn in the first curve's colour, but for its line in the legend.
+    fn drawn(svg: &str, name: &str) -> Vec<String> {
+        let color = Theme::LIGHT.curve(0).css();
+        let document = Document::parse(svg).unwrap();
+        let ours = |n: &Node| [n.attribute("stroke"), n.attribute("fill")].contains(&Some(&color));
+        let found = document.descendants().filter(ours).filter_map(|n| n.attribute(name).map(str::to_owned));
+        let all: Vec<String> = found.collect();
+        if name == "d" { all[..all.len() - 1].to_vec() } else { all }
+    }
+
+    fn path_points(d: &str) -> Vec<[f64; 2]> {
+        let points = d.split(['M', 'L']).filter_map(|p| p.split_once(' '));
+        points.map(|(x, y)| [x.parse().unwrap(), y.parse().unwrap()]).collect()
+    }
+
+    #[test]
+    fn points_lie_where_their_values_say() {
+        let even = plot((0..=4).map(|k| [f64::from(k), 10f64.powi(-k)]).collect(), true);
+        let places = path_points(&drawn(&figure(even).to_svg(), "d")[0]);
+        // Powers of ten against their exponents: a straight line with even steps, downwards.
+        let step = [places[1][0] - places[0][0], places[1][1] - places[0][1]];
+        assert!(step[0] > 50.0 && step[1] > 30.0);
+        for pair in places.windows(2) {
+            assert!(
+                (pair[1][0] - pair[0][0] - step[0]).abs() < 0.03 && (pair[1][1] - pair[0][1] - step[1]).abs() < 0.03
+            );
+        }
+    }
+
+    #[test]
+    fn what_has_no_place_interrupts_the_curve() {
+        let values = [1.0, 2.0, 0.0, 4.0, f64::NAN, -1.0, 3.0, 5.0];
+        let points: Vec<_> = values.iter().enumerate().map(|(x, y)| [x as f64, *y]).collect();
+        let log = drawn(&figure(plot(points.clone(), true)).to_svg(), "d")[0].clone();
+        assert_eq!((log.matches('M').count(), log.matches('L').count()), (3, 2));
+        let linear = drawn(&figure(plot(points, false)).to_svg(), "d")[0].clone();
+        assert_eq!((linear.matches('M').count(), linear.matches('L').count()), (2, 5));
+    }
+
+    #[test]
+    fn one_point_is_a_dot_and_none_is_said() {
+        let one = figure(plot(vec![[3.0, 0.5]], true)).to_svg();
+        assert_eq!(drawn(&one, "cx").len(), 1);
+        assert!(!one.contains("nothing to show"));
+        let none = figure(plot(vec![[0.0, 0.0]], true)).to_svg();
+        assert!(drawn(&none, "cx").is_empty() && none.contains("nothing to show"));
+        assert!(figure(Plot::default()).to_png().is_ok());
+        assert!(Figure { plots: Vec::new(), ..figure(Plot::default()) }.to_png().is_ok());
+    }
+
+    #[test]
+    fn ten_thousand_points_fit_into_the_frame() {
+        let many = plot((0..10_000).map(|k| [f64::from(k), f64::from(k).sin()]).collect(), false);
+        let svg = figure(many).to_svg();
+        let places = path_points(&drawn(&svg, "d")[0]);
+        assert_eq!(places.len(), 10_000);
+        assert!(places.iter().all(|[x, y]| (0.0..800.0).contains(x) && (0.0..500.0).contains(y)));
+        assert!(drawn(&svg, "cx").is_empty());
+        let pixels = Pixmap::decode_png(&raster::png(&svg).unwrap()).unwrap();
+        assert_eq!((pixels.width(), pixels.height()), (800, 500));
+    }
+
+    #[test]
+    fn the_legend_stands_beside_the_curves_and_once_for_all() {
+        let points = vec![[0.0, 0.0], [1.0, 1.0]];
+        let mut two = figure(plot(points.clone(), false));
+        two.plots.push(plot(points, false));
+        let svg = two.to_svg();
+        let document = Document::parse(&svg).unwrap();
+        let names: Vec<Node> = document.descendants().filter(|n| n.is_element() && n.text() == Some("mean")).collect();
+        assert_eq!(names.len(), 1);
+        let legend: f64 = names[0].attribute("x").unwrap().parse().unwrap();
+        assert!(path_points(&drawn(&svg, "d")[0]).iter().all(|[x, _]| *x < legend));
+    }
+}

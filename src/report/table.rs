@@ -1,0 +1,199 @@
+//! Rows of numbers: CSV for other programs, aligned text for a terminal.
+
+use std::io;
+
+use super::number::plain;
+use crate::study::error::ErrorRow;
+
+/// What stands in one place of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// A word, aligned to the left.
+    Text(String),
+    /// A number of things.
+    Count(usize),
+    /// A measured number: every digit in CSV, four in text; not finite ones are `inf`, `-inf` and `NaN` in CSV.
+    Number(f64),
+}
+
+impl Value {
+    fn exact(&self) -> String {
+        match self {
+            Value::Text(text) => text.clone(),
+            Value::Count(count) => count.to_string(),
+            // The shortest text that reads back as the same number.
+            Value::Number(number) => format!("{number:?}"),
+        }
+    }
+
+    fn brief(&self) -> String {
+        match self {
+            Value::Number(number) => plain(*number, 4),
+            other => other.exact(),
+        }
+    }
+}
+
+impl From<&str> for Value {
+    fn from(text: &str) -> Self {
+        Value::Text(text.to_owned())
+    }
+}
+
+impl From<usize> for Value {
+    fn from(count: usize) -> Self {
+        Value::Count(count)
+    }
+}
+
+impl From<f64> for Value {
+    fn from(number: f64) -> Self {
+        Value::Number(number)
+    }
+}
+
+/// A table of N columns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table<const N: usize> {
+    columns: [&'static str; N],
+    rows: Vec<[Value; N]>,
+}
+
+impl<const N: usize> Table<N> {
+    /// A table without rows.
+    pub fn new(columns: [&'static str; N]) -> Self {
+        Table { columns, rows: Vec::new() }
+    }
+
+    /// Adds a row at the end.
+    pub fn push(&mut self, row: [Value; N]) {
+        self.rows.push(row);
+    }
+
+    /// The table as CSV: a line with the columns' names, then a line a row.
+    ///
+    /// # Errors
+    /// Where `out` cannot be written to.
+    pub fn write_csv(&self, out: impl io::Write) -> io::Result<()> {
+        let mut writer = csv::Writer::from_writer(out);
+        writer.write_record(self.columns)?;
+        for row in &self.rows {
+            writer.write_record(row.each_ref().map(Value::exact))?;
+        }
+        writer.flush()
+    }
+
+    /// The table for people: a line with the columns' names, then a line a row, columns two spaces
+    /// apart, numbers aligned to the right.
+    pub fn to_text(&self) -> String {
+        let rows: Vec<[String; N]> = self.rows.iter().map(|row| row.each_ref().map(Value::brief)).collect();
+        let width = |c: usize| {
+            let cells = rows.iter().map(|row| row[c].chars().count());
+            cells.fold(self.columns[c].chars().count(), usize::max)
+        };
+        let widths: [usize; N] = std::array::from_fn(width);
+        let words: [bool; N] = std::array::from_fn(|c| self.rows.iter().any(|row| matches!(row[c], Value::Text(_))));
+        let line = |cells: &[String; N]| {
+            let aligned = (0..N).map(|c| {
+                let (cell, width) = (&cells[c], widths[c]);
+                if words[c] { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+            });
+            aligned.collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
+        };
+        let head = line(&self.columns.map(str::to_owned));
+        rows.iter().fold(head, |text, row| text + &line(row))
+    }
+}
+
+/// The errors of a run, as `errors.csv` has them; level is `all` or a number.
+pub fn errors(rows: &[ErrorRow]) -> Table<9> {
+    let mut table = Table::new([
+        "iteration",
+        "metric",
+        "level",
+        "absolute_mean",
+        "absolute_max",
+        "relative_mean",
+        "relative_max",
+        "l1_ratio",
+        "undefined",
+    ]);
+    for row in rows {
+        table.push([
+            row.iteration.into(),
+            row.metric.name().into(),
+            row.level.map_or("all".into(), |level| Value::Text(level.to_string())),
+            row.absolute_mean.into(),
+            row.absolute_max.into(),
+            row.relative_mean.into(),
+            row.relative_max.into(),
+            row.l1_ratio.into(),
+            row.undefined.into(),
+        ]);
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::error::Metric;
+
+    #[test]
+    fn errors_are_written_under_the_agreed_header_and_read_back_to_the_last_bit() {
+        let row = ErrorRow {
+            iteration: 12,
+            metric: Metric::Thesis,
+            level: None,
+            absolute_mean: 9.35e-5 + 1e-19,
+            absolute_max: 0.1 + 0.2,
+            relative_mean: 1.0 / 3.0,
+            relative_max: 20.0,
+            l1_ratio: f64::INFINITY,
+            undefined: 4,
+        };
+        let rows = [row, ErrorRow { level: Some(3), l1_ratio: 0.5, ..row }];
+        let mut file = Vec::new();
+        errors(&rows).write_csv(&mut file).unwrap();
+        let first = std::str::from_utf8(&file).unwrap().lines().next().unwrap();
+        assert_eq!(
+            first,
+            "iteration,metric,level,absolute_mean,absolute_max,relative_mean,relative_max,l1_ratio,undefined"
+        );
+        let mut reader = csv::Reader::from_reader(file.as_slice());
+        let records: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+        assert_eq!(records.len(), 2);
+        for (record, row) in records.iter().zip(rows) {
+            let number = |i: usize| record[i].parse::<f64>().unwrap();
+            let level = row.level.map_or("all".to_owned(), |level| level.to_string());
+            assert_eq!((&record[0], &record[1], &record[2]), ("12", "thesis", level.as_str()));
+            assert_eq!([number(3), number(4)], [row.absolute_mean, row.absolute_max]);
+            assert_eq!([number(5), number(6), number(7)], [row.relative_mean, row.relative_max, row.l1_ratio]);
+            assert_eq!(&record[8], "4");
+        }
+    }
+
+    #[test]
+    fn words_with_commas_survive() {
+        let mut table = Table::new(["name", "n"]);
+        table.push(["a, \"b\"".into(), 3.into()]);
+        let mut file = Vec::new();
+        table.write_csv(&mut file).unwrap();
+        let record = csv::Reader::from_reader(file.as_slice()).records().next().unwrap().unwrap();
+        assert_eq!((&record[0], &record[1]), ("a, \"b\"", "3"));
+    }
+
+    #[test]
+    fn text_lines_up() {
+        let mut table = Table::new(["scheme", "k", "error"]);
+        table.push(["cascaded".into(), 4.into(), 7.8e-5.into()]);
+        table.push(["axial".into(), 128.into(), 0.5.into()]);
+        assert_eq!(
+            table.to_text(),
+            "scheme      k   error\n\
+             cascaded    4  7.8e-5\n\
+             axial     128     0.5\n"
+        );
+        assert_eq!(Table::new(["a", "b"]).to_text(), "a  b\n");
+    }
+}

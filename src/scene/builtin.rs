@@ -1,0 +1,83 @@
+//! The presets that the program brings along, so that it can show something wherever it is started.
+
+use std::io;
+use std::path::PathBuf;
+
+macro_rules! presets {
+    ($($name:literal),* $(,)?) => {
+        &[$(($name, include_str!(concat!("../../presets/", $name, ".ron")))),*]
+    };
+}
+
+/// Every built-in preset: its name and its text. The first is the one the program opens by itself.
+pub const PRESETS: &[(&str, &str)] = presets![
+    "two-walls",
+    "mixed",
+    "one-lobe",
+    "opposite-lobes",
+    "corner-lobe",
+    "level-jump",
+    "back-bleeding",
+    "colours",
+    "from-file",
+    "thin-wall-bleeding",
+    "wall-with-gap",
+    "pillar",
+    "room-with-window",
+];
+
+/// Files beside the presets that some of them read, by their path from the presets' folder.
+const CELL_FILES: &[(&str, &str)] = &[("cells/ring.csv", include_str!("../../presets/cells/ring.csv"))];
+
+/// The text of the built-in preset called `name`.
+pub fn find(name: &str) -> Option<&'static str> {
+    PRESETS.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
+}
+
+/// A folder that holds the files which built-in presets read. It is made when first asked for, among the
+/// system's temporary files.
+pub fn folder() -> io::Result<PathBuf> {
+    let folder = std::env::temp_dir().join(concat!("lpv-lab-presets-", env!("CARGO_PKG_VERSION")));
+    for (path, text) in CELL_FILES {
+        let path = folder.join(path);
+        if std::fs::read_to_string(&path).is_ok_and(|there| there == *text) {
+            continue;
+        }
+        if let Some(parent) = path.parent() {
+            std::fs::create_dir_all(parent)?;
+        }
+        std::fs::write(&path, text)?;
+    }
+    Ok(folder)
+}
+
+/// Every file that belongs to the presets, by its path from their folder, with its text.
+pub fn files() -> impl Iterator<Item = (String, &'static str)> {
+    let presets = PRESETS.iter().map(|(name, text)| (format!("{name}.ron"), *text));
+    presets.chain(CELL_FILES.iter().map(|(path, text)| ((*path).to_owned(), *text)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::preset::Preset;
+    use std::path::Path;
+
+    #[test]
+    fn every_preset_of_the_folder_is_built_in_loads_and_says_what_to_look_for() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("presets");
+        let mut in_folder: Vec<String> = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .filter_map(|name| name.strip_suffix(".ron").map(str::to_owned))
+            .collect();
+        in_folder.sort();
+        let mut built_in: Vec<String> = PRESETS.iter().map(|(name, _)| (*name).to_owned()).collect();
+        built_in.sort();
+        assert_eq!(built_in, in_folder);
+        for (name, text) in PRESETS {
+            let preset = Preset::parse(text, Path::new(name)).unwrap();
+            assert!(!preset.title.is_empty() && text.starts_with("// "), "{name}");
+        }
+    }
+}

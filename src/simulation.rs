@@ -1,0 +1,322 @@
+//! The stepper: clear, inject, downsample, propagate once, merge, each an action of its own, in any
+//! order and any number of times.
+//!
+//! What each does to the three octrees (000, 3.2.3, 4.2 and 5.1):
+//!
+//! - *Clear* makes everything dark and sets the iteration to 0.
+//! - *Inject* adds the scene's light to level 0 of the source, and of the accumulated light where the
+//!   snapshots count the injection; it marks the index volume.
+//! - *Downsample* sets every coarser level of source and accumulated to the mean of its children.
+//! - *Propagate* takes every level one iteration further: source to target, target added to
+//!   accumulated, then source and target swap.
+//! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell. A cell that hard
+//!   occluders let no light enter is sampled at level 0, where it holds what was injected there, if anything.
+
+mod occlusion;
+
+use std::fmt;
+
+use crate::field::{Channels, Grid, IndexVolume, Levels, Octree};
+use crate::propagate::kernel::occluded::{Occluders, Which};
+use crate::propagate::kernel::plain;
+use crate::propagate::scheme::{self, Scheme};
+use crate::propagate::stencil::Stencil;
+use crate::scene::Scene;
+use crate::scene::preset::{Propagation, Snapshots};
+use crate::sh::Real;
+
+/// What the stepper can be told to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Action {
+    /// Make everything dark.
+    Clear,
+    /// Add the scene's light to the finest level.
+    Inject,
+    /// Fill the coarser levels from the finest.
+    Downsample,
+    /// One iteration on every level.
+    Propagate,
+    /// Sample the accumulated octree for every finest cell.
+    Merge,
+}
+
+impl fmt::Display for Action {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Action::Clear => "clear",
+            Action::Inject => "inject",
+            Action::Downsample => "downsample",
+            Action::Propagate => "propagate",
+            Action::Merge => "merge",
+        })
+    }
+}
+
+/// What an action changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Change {
+    /// The action.
+    pub action: Action,
+    /// Iterations done since the last clear.
+    pub iteration: usize,
+    /// Whether the source light changed.
+    pub source: bool,
+    /// Whether the target light changed.
+    pub target: bool,
+    /// Whether the accumulated light changed.
+    pub accumulated: bool,
+    /// Whether the merged light changed.
+    pub merged: bool,
+    /// Cells, over all levels, that received light for the first time.
+    pub newly_lit: usize,
+}
+
+/// A propagation setting that cannot be run.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SimulationError {
+    /// No scheme of that name.
+    #[error("unknown scheme \"{name}\"; known schemes: {known}")]
+    UnknownScheme {
+        /// The name asked for.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
+    /// A size or coarsest side that makes no octree.
+    #[error("size {size} with coarsest {coarsest} makes no octree; both must be powers of two, coarsest no larger")]
+    Sizes {
+        /// The side of the finest level.
+        size: usize,
+        /// The side of the coarsest level.
+        coarsest: usize,
+    },
+}
+
+/// One channel of light in its three octrees.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light<T> {
+    /// What the next iteration propagates: S_k.
+    pub source: Octree<T>,
+    /// What the next iteration writes; until then S_{k−1}.
+    pub target: Octree<T>,
+    /// The running sum of the snapshots, S_A.
+    pub accumulated: Octree<T>,
+    /// S(x, y, z) of the accumulated octree, once merged.
+    pub merged: Option<Grid<T>>,
+}
+
+/// A scene on its way through the iterations, in single or double precision.
+#[derive(Clone, Debug)]
+pub struct Simulation<T> {
+    scene: Scene,
+    sizes: Levels,
+    channels: Channels,
+    stencils: Vec<Stencil<T>>,
+    /// With the first iteration in which they act.
+    occluders: Option<(Occluders<T>, usize)>,
+    lights: Vec<Light<T>>,
+    index: IndexVolume,
+    iteration: usize,
+}
+
+impl<T: Real> Simulation<T> {
+    /// A dark simulation of `scene`.
+    pub fn new(scene: Scene) -> Result<Self, SimulationError> {
+        let sizes = Levels::new(scene.size, scene.coarsest)
+            .ok_or(SimulationError::Sizes { size: scene.size, coarsest: scene.coarsest })?;
+        let scheme = known_scheme(&scene.propagation.scheme)?;
+        let stencils = stencils(&scheme, &scene.propagation, sizes);
+        let occluders = occlusion::occluders(&scene, sizes, &scheme);
+        let channels = occlusion::channels(&scene);
+        let dark = || Octree::new(sizes);
+        let light = || Light { source: dark(), target: dark(), accumulated: dark(), merged: None };
+        let lights = (0..channels.count()).map(|_| light()).collect();
+        let index = IndexVolume::new(sizes);
+        Ok(Simulation { scene, sizes, channels, stencils, occluders, lights, index, iteration: 0 })
+    }
+
+    /// The scene that is simulated.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The sizes of the levels.
+    pub fn sizes(&self) -> Levels {
+        self.sizes
+    }
+
+    /// How colours come from the channels.
+    pub fn channels(&self) -> &Channels {
+        &self.channels
+    }
+
+    /// The light of each channel.
+    pub fn lights(&self) -> &[Light<T>] {
+        &self.lights
+    }
+
+    /// Which level to sample where.
+    pub fn index(&self) -> &IndexVolume {
+        &self.index
+    }
+
+    /// Iterations since the last clear, k.
+    pub fn iteration(&self) -> usize {
+        self.iteration
+    }
+
+    /// Takes other settings for the iterations to come; the light stays as it is.
+    pub fn set_propagation(&mut self, propagation: Propagation) -> Result<(), SimulationError> {
+        let scheme = known_scheme(&propagation.scheme)?;
+        self.stencils = stencils(&scheme, &propagation, self.sizes);
+        if propagation.scheme != self.scene.propagation.scheme {
+            self.occluders = occlusion::occluders(&self.scene, self.sizes, &scheme);
+        }
+        self.scene.propagation = propagation;
+        Ok(())
+    }
+
+    /// Does one action and tells what it changed.
+    pub fn act(&mut self, action: Action) -> Change {
+        let lit_before = self.lit();
+        let unchanged = Change {
+            action,
+            iteration: 0,
+            source: false,
+            target: false,
+            accumulated: false,
+            merged: false,
+            newly_lit: 0,
+        };
+        let change = match action {
+            Action::Clear => {
+                self.clear();
+                Change { source: true, target: true, accumulated: true, merged: true, ..unchanged }
+            }
+            Action::Inject => {
+                let accumulated = self.inject();
+                Change { source: true, accumulated, ..unchanged }
+            }
+            Action::Downsample => {
+                self.downsample();
+                Change { source: true, accumulated: true, ..unchanged }
+            }
+            Action::Propagate => {
+                self.propagate();
+                Change { source: true, target: true, accumulated: true, ..unchanged }
+            }
+            Action::Merge => {
+                self.merge();
+                Change { merged: true, ..unchanged }
+            }
+        };
+        Change { iteration: self.iteration, newly_lit: self.lit().saturating_sub(lit_before), ..change }
+    }
+
+    /// Clear, inject, downsample, as many iterations as the scene asks for, merge; `watch` sees the
+    /// simulation after the downsampling (iteration 0) and after every iteration, and returns whether to
+    /// go on.
+    pub fn run(&mut self, mut watch: impl FnMut(&Self) -> bool) {
+        for action in [Action::Clear, Action::Inject, Action::Downsample] {
+            self.act(action);
+        }
+        let mut go_on = watch(self);
+        while go_on && self.iteration < self.scene.propagation.iterations {
+            self.act(Action::Propagate);
+            go_on = watch(self);
+        }
+        self.act(Action::Merge);
+    }
+
+    /// Cells, over all levels, that have received light.
+    fn lit(&self) -> usize {
+        (0..self.sizes.count()).map(|i| self.index.level(i).count()).sum()
+    }
+
+    fn clear(&mut self) {
+        for light in &mut self.lights {
+            light.source.clear();
+            light.target.clear();
+            light.accumulated.clear();
+            light.merged = None;
+        }
+        self.index.clear();
+        self.iteration = 0;
+    }
+
+    /// Whether the accumulated light changed with the source.
+    fn inject(&mut self) -> bool {
+        let accumulate = self.scene.propagation.snapshots == Snapshots::Thesis;
+        for source in &self.scene.sources {
+            for (channel, light) in self.lights.iter_mut().enumerate() {
+                let weight = self.channels.weight(channel, source.color);
+                for (cell, value) in &source.light {
+                    let value = (*value * weight).cast();
+                    light.source.level_mut(0).add(*cell, value);
+                    if accumulate {
+                        light.accumulated.level_mut(0).add(*cell, value);
+                    }
+                    if !value.is_zero() {
+                        self.index.level_mut(0).set(*cell);
+                    }
+                }
+            }
+        }
+        accumulate
+    }
+
+    fn downsample(&mut self) {
+        for light in &mut self.lights {
+            light.source.downsample();
+            light.accumulated.downsample();
+            for i in 1..self.sizes.count() {
+                self.index.level_mut(i).mark_lit(light.source.level(i));
+                self.index.level_mut(i).mark_lit(light.accumulated.level(i));
+            }
+        }
+    }
+
+    fn propagate(&mut self) {
+        let keep_source = self.iteration == 0 && self.scene.propagation.snapshots == Snapshots::CopyFirst;
+        let occluders = self.occluders.as_ref().filter(|(_, from)| self.iteration + 1 >= *from).map(|(o, _)| o);
+        for (colour, light) in self.lights.iter_mut().enumerate() {
+            for (i, stencil) in self.stencils.iter().enumerate() {
+                let (source, target) = (light.source.level(i), light.target.level_mut(i));
+                match occluders {
+                    // Where albedos have colours each channel is one; where not, any colour will do.
+                    Some(occluders) => occluders.propagate(stencil, Which { level: i, colour }, source, target),
+                    None => plain::propagate(stencil, source, target),
+                }
+                if keep_source {
+                    target.add_grid(source);
+                }
+                self.index.level_mut(i).mark_lit(target);
+                light.accumulated.level_mut(i).add_grid(target);
+            }
+            std::mem::swap(&mut light.source, &mut light.target);
+        }
+        self.iteration += 1;
+    }
+
+    fn merge(&mut self) {
+        for light in &mut self.lights {
+            let merged = light.merged.get_or_insert_with(|| Grid::new(self.sizes.finest()));
+            self.index.merge(&light.accumulated, merged);
+            if let Some((Occluders::Hard(hard), _)) = &self.occluders {
+                let finest = light.accumulated.level(0);
+                hard.barrier.shut().for_each(|cell| merged.set(cell, finest.get(cell)));
+            }
+        }
+    }
+}
+
+/// The operator of every level.
+fn stencils<T: Real>(scheme: &Scheme, propagation: &Propagation, sizes: Levels) -> Vec<Stencil<T>> {
+    vec![Stencil::new(scheme, propagation.factor, propagation.clamp); sizes.count()]
+}
+
+/// The scheme of that name, or an error that names those there are.
+pub fn known_scheme(name: &str) -> Result<Scheme, SimulationError> {
+    scheme::find(name)
+        .ok_or_else(|| SimulationError::UnknownScheme { name: name.to_owned(), known: scheme::names().join(", ") })
+}

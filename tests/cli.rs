@@ -1,0 +1,159 @@
+//! The program from outside: what it writes, what it says, how it ends.
+
+use std::path::Path;
+
+use assert_cmd::Command;
+use lpv_lab::field::{Cell, Grid};
+use lpv_lab::scene::cell_file;
+use lpv_lab::scene::cell_file::Column;
+
+fn lab() -> Command {
+    let mut command = Command::cargo_bin("lpv-lab").unwrap();
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
+    command
+}
+
+fn stdout(command: &mut Command) -> String {
+    String::from_utf8(command.assert().success().get_output().stdout.clone()).unwrap()
+}
+
+/// Runs a command that must end with exit code 2 and one line on standard error that holds every part.
+fn refused(args: &[&str], parts: &[&str]) {
+    let output = lab().args(args).assert().code(2).get_output().clone();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(said.lines().count(), 1, "{said}");
+    for part in parts {
+        assert!(said.contains(part), "`{said}` does not say `{part}`");
+    }
+}
+
+#[test]
+fn run_writes_every_file_and_a_line_an_iteration() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("deep/results");
+    let said =
+        stdout(lab().args(["run", "presets/one-lobe.ron", "--iterations", "3", "--level", "2", "--out"]).arg(&out));
+    let iterations: Vec<&str> = said.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    assert_eq!(iterations[..5], ["iteration", "0", "1", "2", "3"]);
+    for name in ["errors", "level-2", "merged"] {
+        let svg = std::fs::read_to_string(out.join(format!("{name}.svg"))).unwrap();
+        assert!(svg.starts_with("<svg") || svg.starts_with("<?xml"), "{name}.svg");
+        let png = std::fs::read(out.join(format!("{name}.png"))).unwrap();
+        assert!(png.starts_with(b"\x89PNG"), "{name}.png");
+    }
+    let summary = std::fs::read_to_string(out.join("summary.ron")).unwrap();
+    assert!(summary.contains("iterations: 3"), "{summary}");
+
+    let mut errors = csv::Reader::from_path(out.join("errors.csv")).unwrap();
+    let header = "iteration,metric,level,absolute_mean,absolute_max,relative_mean,relative_max,l1_ratio,undefined";
+    assert_eq!(errors.headers().unwrap().iter().collect::<Vec<_>>().join(","), header);
+    let rows: Vec<csv::StringRecord> = errors.records().map(Result::unwrap).collect();
+    // Iterations 0 to 3; the octree goes down to 2³, so levels 1 to 4 and all of them, for every metric.
+    let thesis: Vec<_> = rows.iter().filter(|row| &row[1] == "thesis").collect();
+    assert_eq!(thesis.len(), 4 * 5);
+    assert!(thesis.iter().filter(|row| &row[0] == "0").all(|row| row[3].parse::<f64>().unwrap() == 0.0));
+    assert!(thesis.iter().any(|row| &row[0] == "3" && &row[2] == "all" && row[3].parse::<f64>().unwrap() > 0.0));
+}
+
+#[test]
+fn without_a_display_a_preset_is_run_headless_and_it_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let preset = Path::new(env!("CARGO_MANIFEST_DIR")).join("presets/back-bleeding.ron");
+    let output = lab().current_dir(folder.path()).arg(preset).assert().success().get_output().clone();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(said.lines().count(), 1, "{said}");
+    assert!(said.contains("headless") && said.contains("lpv-lab-results"), "{said}");
+    assert!(folder.path().join("lpv-lab-results/back-bleeding/errors.csv").exists());
+}
+
+#[test]
+fn what_one_run_writes_another_injects() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    for file in ["cells.csv", "cells.npy"] {
+        stdout(lab().args(["cells", "presets/one-lobe.ron", "--iterations", "3", "--out", &at(file)]));
+        let column = if file == "cells.csv" { ", column: Accumulated" } else { "" };
+        let preset = format!("(version: 1, size: 32, injectors: [(kind: File(path: \"{file}\"{column}))])");
+        std::fs::write(at("again.ron"), preset).unwrap();
+        stdout(lab().args(["cells", &at("again.ron"), "--iterations", "0", "--out", &at("again.csv")]));
+        let read = |name: &str, column| -> Vec<(Cell, [f32; 4])> {
+            let cells = cell_file::read(Path::new(&at(name)), 32, column).unwrap();
+            cells.into_iter().map(|(cell, light)| (cell, light.cast::<f32>().0)).collect()
+        };
+        let (first, again) = (read(file, Column::Accumulated), read("again.csv", Column::Accumulated));
+        assert!(first.len() > 20);
+        assert_eq!(first, again, "{file}");
+    }
+}
+
+#[test]
+fn every_level_and_the_merged_grid_can_be_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("merged.npy");
+    stdout(lab().args(["cells", "mixed", "--iterations", "2", "--level", "merged", "--out"]).arg(&path));
+    let mut lit = Grid::<f32>::new(32);
+    for (cell, light) in cell_file::read(&path, 32, Column::Accumulated).unwrap() {
+        lit.set(cell, light.cast());
+    }
+    assert!(lit.iter().all(|(_, light)| !light.is_zero()), "after merging, a coarser level lights every cell");
+    let said = stdout(lab().args(["cells", "mixed", "--iterations", "2", "--level", "5"]));
+    assert_eq!(said.lines().count(), 2, "the 1³ level has one cell: {said}");
+    let blue = stdout(lab().args(["cells", "colours", "--iterations", "1", "--channel", "b"]));
+    let red = stdout(lab().args(["cells", "colours", "--iterations", "1", "--channel", "r"]));
+    assert_ne!(blue, red);
+}
+
+#[test]
+fn presets_lists_and_writes_what_the_folder_holds() {
+    let said = stdout(lab().arg("presets"));
+    let folder = tempfile::tempdir().unwrap();
+    stdout(lab().args(["presets", "--out"]).arg(folder.path()));
+    for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("presets")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_file() {
+            assert!(said.contains(path.file_stem().unwrap().to_str().unwrap()), "{}", path.display());
+            let written = std::fs::read(folder.path().join(path.file_name().unwrap())).unwrap();
+            assert_eq!(written, std::fs::read(&path).unwrap());
+        }
+    }
+    let again = stdout(lab().args(["presets", "--out"]).arg(folder.path()));
+    assert!(again.lines().all(|line| line.ends_with("kept")), "{again}");
+    stdout(lab().args(["cells", "from-file", "--iterations", "0"]).current_dir(folder.path()));
+}
+
+#[test]
+fn wrong_arguments_and_files_are_refused_in_one_line() {
+    refused(&["run", "no-such.ron"], &["no-such.ron", "no such file"]);
+    refused(&["run", "mixed", "--scheme", "casaded"], &["casaded", "cascaded"]);
+    refused(&["run", "mixed", "--factor", "nan"], &["factor", "finite"]);
+    refused(&["run", "mixed", "--coarsest", "3"], &["coarsest", "power of two"]);
+    refused(&["run", "mixed", "--level", "6"], &["--level 6", "0 to 5"]);
+    refused(&["run", "mixed", "--slice", "z=32"], &["z=32", "0 to 31"]);
+    refused(&["run", "mixed", "--slice", "w=3"], &["--slice", "z=16"]);
+    refused(&["run"], &["PRESET", "--help"]);
+    refused(&["run", "mixed", "--itrations", "3"], &["--itrations", "--help"]);
+    refused(&["cells", "mixed", "--out", "cells.txt"], &["cells.txt", ".csv or .npy"]);
+
+    let folder = tempfile::tempdir().unwrap();
+    let preset = folder.path().join("wrong.ron");
+    let path = preset.to_str().unwrap();
+    std::fs::write(&preset, "(\n    version: 1,\n    sise: 32,\n)").unwrap();
+    refused(&["run", path], &["wrong.ron:3:5", "sise", "size"]);
+    std::fs::write(&preset, "(\n    version: 1,\n    injectors: [(kind: File(path: \"gone.csv\"))],\n)").unwrap();
+    refused(&["run", path], &["wrong.ron:3:", "gone.csv"]);
+}
+
+#[test]
+fn every_command_shows_an_example() {
+    let help = stdout(lab().arg("--help"));
+    let commands = help.lines().skip_while(|line| !line.starts_with("Commands:")).skip(1);
+    let names: Vec<&str> =
+        commands.map_while(|line| line.split_whitespace().next()).filter(|name| *name != "help").collect();
+    assert!(names.contains(&"run") && names.contains(&"cells"), "{names:?}");
+    for name in names {
+        let help = stdout(lab().args([name, "--help"]));
+        assert!(help.contains("Example"), "{name}");
+    }
+    let completions = stdout(lab().args(["completions", "bash"]));
+    assert!(completions.contains("--iterations"));
+}
