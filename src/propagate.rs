@@ -1,6 +1,7 @@
 //! How light moves from cell to cell: what a propagation scheme is, the schemes themselves, and the
 //! loops that apply one to a grid.
 
+pub mod active;
 pub mod axial;
 pub mod barrier;
 pub mod blog;

@@ -13,9 +13,8 @@
 //! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell. A cell that hard
 //!   occluders let no light enter is sampled at level 0, where it holds what was injected there, if anything.
 
-mod occlusion;
-
 mod descent;
+mod occlusion;
 
 use std::fmt;
 
@@ -351,7 +350,7 @@ fn operators<T: Real>(
     scheme: &Scheme,
     propagation: &Propagation,
     sizes: Levels,
-) -> Result<(Vec<Stencil<T>>, Vec<[f64; 2]>), TooLarge> {
+) -> Result<(Vec<Stencil<T>>, Vec<[f64; 2]>), SimulationError> {
     let Propagation { factor, clamp, levels, .. } = *propagation;
     let operators = levels::operators(scheme, factor, clamp, levels, sizes.count())?;
     Ok(operators.into_iter().map(|operator| (operator.stencil, operator.residence)).unzip())

@@ -2,5 +2,6 @@
 
 pub mod ballistic;
 pub mod error;
+pub mod random;
 pub mod reference;
 pub mod stability;
