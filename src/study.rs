@@ -1,6 +1,7 @@
 //! Questions put to simulations.
 
 pub mod ballistic;
+pub mod converged;
 pub mod error;
 pub mod random;
 pub mod reference;
