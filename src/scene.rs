@@ -134,6 +134,8 @@ fn take<T>(
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::injector::{Injector, InjectorKind, Side};
     use super::occluder::{Axis, Occluder, OccluderKind};
     use super::*;

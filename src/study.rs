@@ -1,4 +1,5 @@
 //! Questions put to simulations.
 
 pub mod error;
+pub mod random;
 pub mod stability;

@@ -5,9 +5,14 @@
 //! λ the growth of its slowest mode at p = 1. So the light stays bounded up to the critical factor 1/λ,
 //! which is smaller the larger the volume: less light is near a border.
 
+pub mod drift;
+pub mod outlook;
+
 use std::f64::consts::PI;
 
-use crate::field::Grid;
+use super::random::Random;
+use crate::field::{Cell, Grid};
+use crate::propagate::face::Direction;
 use crate::propagate::kernel::plain;
 use crate::propagate::scheme::Scheme;
 use crate::propagate::stencil::Stencil;
@@ -20,6 +25,10 @@ pub const SIZES: [usize; 5] = [2, 4, 8, 16, 32];
 const SETTLED: f64 = 1e-7;
 /// Iterations after which the estimate is taken as it is.
 const MOST_ITERATIONS: usize = 4000;
+/// The side of the volume that stands for one without borders.
+const TORUS: usize = 8;
+/// The seed of the light that power iteration starts from.
+const SEED: u64 = 1;
 
 /// What is computed about a scheme.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,27 +45,85 @@ pub struct Stability {
 pub fn of_scheme(scheme: &Scheme, sizes: &[usize]) -> Stability {
     let stencil = Stencil::new(scheme, 1.0, true);
     let [mean_gain, direction_gain] = stencil.uniform_gain();
-    let critical = sizes.iter().map(|&n| (n, 1.0 / growth(&stencil, n))).collect();
+    let critical = sizes.iter().map(|&n| (n, 1.0 / growth(&stencil, Start::Arch, Borders::Open(n)))).collect();
     Stability { mean_gain, direction_gain, critical }
 }
 
-/// What an iteration multiplies the light in an open n³ volume by, in the long run, clamps included: power
-/// iteration.
+/// The factor above which the light of a scheme without clamps grows, whatever its shape: the start is
+/// noise of either sign, which holds every mode of the volume.
+pub fn critical_without_clamps(scheme: &Scheme, n: usize) -> f64 {
+    1.0 / growth(&Stencil::new(scheme, 1.0, false), Start::Noise, Borders::Open(n))
+}
+
+/// The factor above which light grows in a volume without borders, as a large one is far from its sides.
+pub fn critical_without_borders(scheme: &Scheme, clamp: bool) -> f64 {
+    let start = if clamp { Start::Lobes } else { Start::Noise };
+    1.0 / growth(&Stencil::new(scheme, 1.0, clamp), start, Borders::None)
+}
+
+/// What lies beyond the sides of the volume.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Borders {
+    /// Darkness, around a volume of this side.
+    Open(usize),
+    /// Nothing: what leaves at one side comes in at the other.
+    None,
+}
+
+/// The light that power iteration starts from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Start {
+    /// The slowest mode of plain diffusion, close to the answer.
+    Arch,
+    /// A lobe of random strength and direction in every cell.
+    Lobes,
+    /// Every coefficient random and of either sign, over an arch.
+    Noise,
+}
+
+impl Start {
+    fn light(self, n: usize) -> Grid<f64> {
+        let mut random = Random::new(SEED);
+        let mut light = Grid::new(n);
+        for cell in light.layout().cells() {
+            let arch: f64 = cell.map(|c| (PI * (c + 1) as f64 / (n + 1) as f64).sin()).iter().product();
+            let mut signed = || random.between(-1.0, 1.0);
+            light.set(
+                cell,
+                match self {
+                    Start::Arch => Sh([arch, 0.0, 0.0, 0.0]),
+                    Start::Lobes => {
+                        let direction = glam::DVec3::new(signed(), signed(), signed());
+                        Sh::lobe(direction.normalize_or(glam::DVec3::X)) * signed().abs()
+                    }
+                    Start::Noise => Sh([arch + signed(), signed(), signed(), signed()]),
+                },
+            );
+        }
+        light
+    }
+}
+
+/// What an iteration multiplies light by, in the long run: power iteration.
 ///
 /// Light hops between the even and the odd cells, so that λ and −λ go together; two iterations at a time
-/// see λ² alone. The start is the slowest mode of plain diffusion, close to the answer.
-fn growth(stencil: &Stencil<f64>, n: usize) -> f64 {
-    let arch = |c: usize| (PI * (c + 1) as f64 / (n + 1) as f64).sin();
-    let (mut light, mut next) = (Grid::new(n), Grid::new(n));
-    for cell in light.layout().cells() {
-        light.set(cell, Sh([cell.map(arch).iter().product(), 0.0, 0.0, 0.0]));
-    }
+/// see λ² alone.
+fn growth(stencil: &Stencil<f64>, start: Start, borders: Borders) -> f64 {
+    let n = match borders {
+        Borders::Open(n) => n,
+        Borders::None => TORUS,
+    };
+    let step = |from: &Grid<f64>, to: &mut Grid<f64>| match borders {
+        Borders::Open(_) => plain::propagate(stencil, from, to),
+        Borders::None => propagate_around(stencil, from, to),
+    };
+    let (mut light, mut next) = (start.light(n), Grid::new(n));
     let mut last = 0.0;
     for _ in 0..MOST_ITERATIONS {
-        let before = light.energy();
-        plain::propagate(stencil, &light, &mut next);
-        plain::propagate(stencil, &next, &mut light);
-        let after = light.energy();
+        let before = strength(&light);
+        step(&light, &mut next);
+        step(&next, &mut light);
+        let after = strength(&light);
         let growth = (after / before).sqrt();
         if (growth - last).abs() <= SETTLED * growth {
             return growth;
@@ -65,6 +132,26 @@ fn growth(stencil: &Stencil<f64>, n: usize) -> f64 {
         light.scale(1.0 / after);
     }
     last
+}
+
+/// The Euclidean norm of all coefficients: light of either sign counts.
+fn strength(light: &Grid<f64>) -> f64 {
+    light.planes().iter().flatten().map(|c| c * c).sum::<f64>().sqrt()
+}
+
+/// [`plain::propagate`] where what leaves at one side comes in at the other.
+fn propagate_around(stencil: &Stencil<f64>, source: &Grid<f64>, target: &mut Grid<f64>) {
+    let n = source.side();
+    for cell in source.layout().cells() {
+        let sender = |d: Direction| -> Cell {
+            let mut sender = cell;
+            let back = if d.is_positive() { n - 1 } else { 1 };
+            sender[d.axis()] = (sender[d.axis()] + back) % n;
+            sender
+        };
+        let received = Direction::ALL.iter().enumerate().map(|(i, d)| stencil.send(i, source.get(sender(*d))));
+        target.set(cell, received.sum());
+    }
 }
 
 #[cfg(test)]
@@ -79,6 +166,20 @@ mod tests {
         let found = of_scheme(&cascaded::scheme(), &SIZES);
         for ((n, critical), expected) in found.critical.iter().zip(published) {
             assert!((critical / expected - 1.0).abs() < 0.01, "{n}³: {critical}, {expected}");
+        }
+    }
+
+    #[test]
+    fn without_borders_and_without_clamps_the_uniform_field_grows_most() {
+        // MATH.md section 2: the mean gains p/4, so p = 4 is critical; no other mode may be faster.
+        let cascaded = cascaded::scheme();
+        for clamp in [true, false] {
+            let critical = critical_without_borders(&cascaded, clamp);
+            assert!((critical - 4.0).abs() < 1e-3, "clamp {clamp}: {critical}");
+        }
+        for (n, expected) in [(2, 9.53), (4, 5.22), (8, 4.33)] {
+            let critical = critical_without_clamps(&cascaded, n);
+            assert!((critical / expected - 1.0).abs() < 0.01, "{n}³: {critical}");
         }
     }
 
