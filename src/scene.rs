@@ -139,7 +139,6 @@ mod tests {
     use super::injector::{Injector, InjectorKind, Side};
     use super::occluder::{Axis, Occluder, OccluderKind};
     use super::*;
-    use glam::DVec3;
 
     /// The scene of one injector in a volume of side 8.
     fn lit_by(injector: Injector) -> Scene {
