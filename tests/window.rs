@@ -13,19 +13,16 @@ type Window = Harness<'static, Option<Lab>>;
 /// A window on a preset, with its injected light on screen.
 fn window(preset: &str) -> Window {
     let preset = Preset::parse(preset, Path::new("test")).unwrap();
-    let mut harness = Harness::builder()
-        .with_size([1280.0, 720.0])
-        .with_max_steps(60)
-        .build_ui_state(
-            move |ui, lab: &mut Option<Lab>| {
-                let lab = lab.get_or_insert_with(|| {
-                    Lab::new(ui.ctx(), preset.clone(), None, Settings::default()).expect("a thread")
-                });
-                lab.logic(&ui.ctx().clone());
-                lab.ui(ui);
-            },
-            None,
-        );
+    let mut harness = Harness::builder().with_size([1280.0, 720.0]).with_max_steps(60).build_ui_state(
+        move |ui, lab: &mut Option<Lab>| {
+            let lab = lab.get_or_insert_with(|| {
+                Lab::new(ui.ctx(), preset.clone(), None, Settings::default()).expect("a thread")
+            });
+            lab.logic(&ui.ctx().clone());
+            lab.ui(ui);
+        },
+        None,
+    );
     settle(&mut harness);
     harness
 }

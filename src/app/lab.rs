@@ -185,12 +185,8 @@ impl Lab {
         let Preset { size, coarsest, .. } = self.document.preset;
         let levels = Levels::new(size, coarsest).map_or(1, |levels| levels.count());
         self.progress = Progress { side: size, levels, ..Progress::default() };
-        let load = Load {
-            preset: self.document.preset.clone(),
-            folder: self.document.folder(),
-            others: Vec::new(),
-            start,
-        };
+        let load =
+            Load { preset: self.document.preset.clone(), folder: self.document.folder(), others: Vec::new(), start };
         self.send(Order::Load(Box::new(load)));
         // What is to be seen outlasts scenes, but the worker answers for the scene it was asked with.
         self.asked = None;

@@ -22,6 +22,8 @@ use crate::simulation::Simulation;
 pub enum Metric {
     /// Every level with the mean of its children in the next finer level of the same octree (000, 6.2).
     Thesis,
+    /// The merged light, S(x, y, z) for every finest cell, with a uniform volume (000, 6.2).
+    Merged,
 }
 
 impl Metric {
@@ -29,6 +31,7 @@ impl Metric {
     pub fn name(self) -> &'static str {
         match self {
             Metric::Thesis => "thesis",
+            Metric::Merged => "merged",
         }
     }
 }
@@ -137,14 +140,14 @@ pub fn thesis<T: Real>(simulation: &Simulation<T>) -> Vec<ErrorRow> {
 }
 
 /// The largest multiple of each channel among the three colours: what a channel's norm counts with.
-fn channel_scales<T: Real>(simulation: &Simulation<T>) -> Vec<f64> {
+pub(super) fn channel_scales<T: Real>(simulation: &Simulation<T>) -> Vec<f64> {
     let channels = simulation.channels();
     let scale = |c| channels.rgb().iter().filter(|s| s.channel == c).map(|s| s.scale).fold(0.0, f64::max);
     (0..channels.count()).map(scale).collect()
 }
 
 /// Compares every cell of an n³ grid; `pair` gives what was found and what was expected in a channel.
-fn tally<T: Real>(scales: &[f64], n: usize, pair: impl Fn(usize, [usize; 3]) -> (Sh<T>, Sh<T>)) -> Tally {
+pub(super) fn tally<T: Real>(scales: &[f64], n: usize, pair: impl Fn(usize, [usize; 3]) -> (Sh<T>, Sh<T>)) -> Tally {
     let mut tally = Tally::default();
     for cell in crate::field::Layout::new(n).cells() {
         let (mut difference, mut found, mut expected) = (0.0f64, 0.0f64, 0.0f64);
