@@ -5,21 +5,26 @@
 
 mod closing;
 mod command;
+mod compare;
 mod controls;
 mod cut;
 mod document;
+mod drops;
 mod errors;
+mod export;
 mod files;
 mod glyphs;
 mod grids;
 mod history;
 mod inspect;
+mod inspector;
 mod lab;
 mod layout;
 mod legend;
 mod look;
 mod mesh;
 mod settings;
+mod space;
 mod timeline;
 mod toolbar;
 mod track;

@@ -3,22 +3,27 @@
 //!
 //! What each does to the three octrees (000, 3.2.3, 4.2 and 5.1):
 //!
-//! - *Clear* makes everything dark and sets the iteration to 0.
+//! - *Clear* makes everything dark and sets the iteration to 0. Where hard occluders let no light in, the
+//!   index volume is marked: such a cell is sampled at level 0, where it holds what is injected there, if
+//!   anything, and not in a coarse cell that reaches around to the light.
 //! - *Inject* adds the scene's light to level 0 of the source, and of the accumulated light where the
 //!   snapshots count the injection; it marks the index volume.
-//! - *Downsample* sets every coarser level of source and accumulated to the mean of its children.
+//! - *Downsample* sets every coarser level of source and accumulated to the mean of its children; with
+//!   consistent levels, to the light that it takes over one step later ([`levels`]).
 //! - *Propagate* takes every level one iteration further: source to target, target added to
 //!   accumulated, then source and target swap.
-//! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell. A cell that hard
-//!   occluders let no light enter is sampled at level 0, where it holds what was injected there, if anything.
+//! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell.
 
+mod descent;
 mod occlusion;
 
 use std::fmt;
 
+use occlusion::Occlusion;
+
 use crate::field::{Channels, Grid, IndexVolume, Levels, Octree};
-use crate::propagate::kernel::occluded::{Occluders, Which};
-use crate::propagate::kernel::plain;
+use crate::propagate::kernel::occluded::Which;
+use crate::propagate::levels::{self, Policy, TooLarge};
 use crate::propagate::scheme::{self, Scheme};
 use crate::propagate::stencil::Stencil;
 use crate::scene::Scene;
@@ -73,7 +78,7 @@ pub struct Change {
 }
 
 /// A propagation setting that cannot be run.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SimulationError {
     /// No scheme of that name.
     #[error("unknown scheme \"{name}\"; {}known schemes: {known}", .nearest.map_or(String::new(), |n| format!("did you mean \"{n}\"? ")))]
@@ -93,6 +98,9 @@ pub enum SimulationError {
         /// The side of the coarsest level.
         coarsest: usize,
     },
+    /// A factor that is too large for the levels' policy.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
 }
 
 /// One channel of light in its three octrees.
@@ -115,8 +123,9 @@ pub struct Simulation<T> {
     sizes: Levels,
     channels: Channels,
     stencils: Vec<Stencil<T>>,
-    /// With the first iteration in which they act.
-    occluders: Option<(Occluders<T>, usize)>,
+    /// What light that comes to rest on each level is multiplied with, by band.
+    residences: Vec<[f64; 2]>,
+    occlusion: Occlusion<T>,
     lights: Vec<Light<T>>,
     index: IndexVolume,
     iteration: usize,
@@ -128,14 +137,15 @@ impl<T: Real> Simulation<T> {
         let sizes = Levels::new(scene.size, scene.coarsest)
             .ok_or(SimulationError::Sizes { size: scene.size, coarsest: scene.coarsest })?;
         let scheme = known_scheme(&scene.propagation.scheme)?;
-        let stencils = stencils(&scheme, &scene.propagation, sizes);
-        let occluders = occlusion::occluders(&scene, sizes, &scheme);
+        let (stencils, residences) = operators(&scheme, &scene.propagation, sizes)?;
+        let occlusion = Occlusion::new(&scene, sizes, &scheme);
         let channels = occlusion::channels(&scene);
         let dark = || Octree::new(sizes);
         let light = || Light { source: dark(), target: dark(), accumulated: dark(), merged: None };
         let lights = (0..channels.count()).map(|_| light()).collect();
-        let index = IndexVolume::new(sizes);
-        Ok(Simulation { scene, sizes, channels, stencils, occluders, lights, index, iteration: 0 })
+        let mut index = IndexVolume::new(sizes);
+        occlusion.mark_shut(&mut index);
+        Ok(Simulation { scene, sizes, channels, stencils, residences, occlusion, lights, index, iteration: 0 })
     }
 
     /// The scene that is simulated.
@@ -171,9 +181,9 @@ impl<T: Real> Simulation<T> {
     /// Takes other settings for the iterations to come; the light stays as it is.
     pub fn set_propagation(&mut self, propagation: Propagation) -> Result<(), SimulationError> {
         let scheme = known_scheme(&propagation.scheme)?;
-        self.stencils = stencils(&scheme, &propagation, self.sizes);
+        (self.stencils, self.residences) = operators(&scheme, &propagation, self.sizes)?;
         if propagation.scheme != self.scene.propagation.scheme {
-            self.occluders = occlusion::occluders(&self.scene, self.sizes, &scheme);
+            self.occlusion = Occlusion::new(&self.scene, self.sizes, &scheme);
         }
         self.scene.propagation = propagation;
         Ok(())
@@ -244,6 +254,7 @@ impl<T: Real> Simulation<T> {
             light.merged = None;
         }
         self.index.clear();
+        self.occlusion.mark_shut(&mut self.index);
         self.iteration = 0;
     }
 
@@ -269,9 +280,14 @@ impl<T: Real> Simulation<T> {
     }
 
     fn downsample(&mut self) {
+        if self.scene.propagation.levels == Policy::Consistent {
+            self.hand_down();
+        }
         for light in &mut self.lights {
-            light.source.downsample();
-            light.accumulated.downsample();
+            if self.scene.propagation.levels == Policy::Same {
+                light.source.downsample();
+                light.accumulated.downsample();
+            }
             for i in 1..self.sizes.count() {
                 self.index.level_mut(i).mark_lit(light.source.level(i));
                 self.index.level_mut(i).mark_lit(light.accumulated.level(i));
@@ -281,20 +297,16 @@ impl<T: Real> Simulation<T> {
 
     fn propagate(&mut self) {
         let keep_source = self.iteration == 0 && self.scene.propagation.snapshots == Snapshots::CopyFirst;
-        let occluders = self.occluders.as_ref().filter(|(_, from)| self.iteration + 1 >= *from).map(|(o, _)| o);
         for (colour, light) in self.lights.iter_mut().enumerate() {
-            for (i, stencil) in self.stencils.iter().enumerate() {
-                let (source, target) = (light.source.level(i), light.target.level_mut(i));
-                match occluders {
-                    // Where albedos have colours each channel is one; where not, any colour will do.
-                    Some(occluders) => occluders.propagate(stencil, Which { level: i, colour }, source, target),
-                    None => plain::propagate(stencil, source, target),
-                }
+            for (level, stencil) in self.stencils.iter().enumerate() {
+                let (source, target) = (light.source.level(level), light.target.level_mut(level));
+                // Where albedos have colours each channel is one; where not, any colour will do.
+                self.occlusion.step(self.iteration + 1, stencil, Which { level, colour }, source, target);
                 if keep_source {
                     target.add_grid(source);
                 }
-                self.index.level_mut(i).mark_lit(target);
-                light.accumulated.level_mut(i).add_grid(target);
+                self.index.level_mut(level).mark_lit(target);
+                light.accumulated.level_mut(level).add_grid(target);
             }
             std::mem::swap(&mut light.source, &mut light.target);
         }
@@ -305,17 +317,19 @@ impl<T: Real> Simulation<T> {
         for light in &mut self.lights {
             let merged = light.merged.get_or_insert_with(|| Grid::new(self.sizes.finest()));
             self.index.merge(&light.accumulated, merged);
-            if let Some((Occluders::Hard(hard), _)) = &self.occluders {
-                let finest = light.accumulated.level(0);
-                hard.barrier.shut().for_each(|cell| merged.set(cell, finest.get(cell)));
-            }
         }
     }
 }
 
-/// The operator of every level.
-fn stencils<T: Real>(scheme: &Scheme, propagation: &Propagation, sizes: Levels) -> Vec<Stencil<T>> {
-    vec![Stencil::new(scheme, propagation.factor, propagation.clamp); sizes.count()]
+/// The stencil of every level, and its residence.
+fn operators<T: Real>(
+    scheme: &Scheme,
+    propagation: &Propagation,
+    sizes: Levels,
+) -> Result<(Vec<Stencil<T>>, Vec<[f64; 2]>), SimulationError> {
+    let Propagation { factor, clamp, levels, .. } = *propagation;
+    let operators = levels::operators(scheme, factor, clamp, levels, sizes.count())?;
+    Ok(operators.into_iter().map(|operator| (operator.stencil, operator.residence)).unzip())
 }
 
 /// The scheme of that name, or an error that names those there are.

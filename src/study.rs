@@ -3,4 +3,5 @@
 pub mod compare;
 pub mod error;
 pub mod random;
+pub mod reference;
 pub mod stability;

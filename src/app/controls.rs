@@ -9,6 +9,7 @@ use egui::{CollapsingHeader, Response, ScrollArea, Ui};
 
 use field::choice;
 pub use field::name;
+pub use occluders::occluder;
 
 use crate::report::slice::Axis;
 use crate::scene::Preset;
@@ -82,6 +83,6 @@ fn volume(ui: &mut Ui, preset: &mut Preset) {
 }
 
 /// A small button with a picture for a name; `name` is what it is called aloud and in its tooltip.
-fn small_button(ui: &mut Ui, picture: &str, name: &str) -> Response {
+pub fn small_button(ui: &mut Ui, picture: &str, name: &str) -> Response {
     ui.small_button(picture).on_hover_text(name).accessible_name(name)
 }

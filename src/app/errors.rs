@@ -3,9 +3,7 @@
 use std::collections::BTreeSet;
 
 use egui::{Color32, ComboBox, Ui, vec2};
-use egui_plot::{
-    GridInput, GridMark, HoverPosition, Legend, Line, LineStyle, MarkerShape, Plot, PlotPoints, Points, VLine,
-};
+use egui_plot::{Corner, GridInput, GridMark, HoverPosition, Legend, Line, LineStyle, MarkerShape, Plot, PlotPoints, Points, VLine};
 use serde::{Deserialize, Serialize};
 
 use super::mesh::color;
@@ -106,17 +104,15 @@ impl Plots {
         }
         let levels: BTreeSet<usize> = runs.iter().flat_map(|run| &run.rows).filter_map(|row| row.level).collect();
         let text = |level: Option<usize>| level.map_or("All levels".to_owned(), |level| format!("Level {level}"));
-        let choice =
-            ComboBox::from_id_salt("error level").selected_text(text(self.level)).width(84.0).show_ui(ui, |ui| {
-                for level in std::iter::once(None).chain(levels.into_iter().map(Some)) {
-                    ui.selectable_value(&mut self.level, level, text(level));
-                }
-            });
+        let choice = ComboBox::from_id_salt("error level").selected_text(text(self.level)).width(84.0).show_ui(ui, |ui| {
+            for level in std::iter::once(None).chain(levels.into_iter().map(Some)) {
+                ui.selectable_value(&mut self.level, level, text(level));
+            }
+        });
         super::controls::name(&choice.response, "Error level");
-        ui.checkbox(&mut self.average, "Average").on_hover_text("Solid lines");
-        ui.checkbox(&mut self.maximum, "Maximum").on_hover_text("Broken lines");
-        ui.checkbox(&mut self.log, "Log axis")
-            .on_hover_text("A logarithmic vertical axis; errors of zero are left out");
+        ui.checkbox(&mut self.average, "Average —").on_hover_text("Solid lines");
+        ui.checkbox(&mut self.maximum, "Maximum - -").on_hover_text("Broken lines");
+        ui.checkbox(&mut self.log, "Log axis").on_hover_text("A logarithmic vertical axis; errors of zero are left out");
     }
 
     /// Both plots, side by side in the room there is; `now` is the iteration that is seen.
@@ -148,16 +144,14 @@ impl Plots {
             .height(size.y)
             .x_axis_label("Iteration k")
             .y_axis_label(title)
-            .legend(Legend::default().background_alpha(0.6).follow_insertion_order(true))
+            .legend(Legend::default().position(Corner::RightBottom).background_alpha(0.6).follow_insertion_order(true))
             .include_x(0.0)
             .include_x(iterations.max(4) as f64)
             .allow_scroll(false)
             .link_cursor(egui::Id::unique("error plots"), [true, false])
             .grid_color(color(theme.grid))
             .y_axis_min_width(44.0)
-            .x_axis_formatter(
-                |mark, _| if mark.value.fract() == 0.0 { format!("{}", mark.value) } else { String::new() },
-            )
+            .x_axis_formatter(|mark, _| if mark.value.fract() == 0.0 { format!("{}", mark.value) } else { String::new() })
             .label_formatter(move |position| Some(read_out(position, log)));
         plot = match log {
             true => plot.y_grid_spacer(decades).y_axis_formatter(|mark, _| power_of_ten(mark.value)),
@@ -172,11 +166,12 @@ impl Plots {
                         true => color(theme.curve(run.color)),
                         false => color(theme.curve(usize::from(quantity.dashed))),
                     };
-                    let name = if many { format!("{}, {}", run.name, quantity.name) } else { quantity.name.to_owned() };
+                    // Of several runs the legend names each once: solid and broken lines are told apart above.
+                    let name = if many { run.name.clone() } else { quantity.name.to_owned() };
                     curve(plot, name, points, ink, quantity.dashed);
                 }
             }
-            let mark = VLine::new(format!("k = {now}"), now as f64).color(color(theme.muted)).width(1.0);
+            let mark = VLine::new("", now as f64).color(color(theme.muted)).width(1.0);
             plot.vline(mark.style(LineStyle::dotted_dense()).allow_hover(false));
         });
         super::controls::name(&response.response, title);
@@ -204,7 +199,7 @@ fn read_out(position: &HoverPosition<'_>, log: bool) -> String {
     let value = |y: f64| if log { 10f64.powf(y) } else { y };
     match position {
         HoverPosition::NearDataPoint { plot_name, position, .. } => {
-            format!("{plot_name}\nk = {:.0}: {:.3e}", position.x, value(position.y))
+            format!("{plot_name}\nk = {:.0}:  {:.3e}", position.x, value(position.y))
         }
         HoverPosition::Elsewhere { position } => format!("k = {:.1}: {:.3e}", position.x, value(position.y)),
     }

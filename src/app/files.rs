@@ -14,6 +14,10 @@ pub enum Purpose {
     Open,
     /// Save the preset.
     SaveAs,
+    /// The cells of the preset's injector of this number, or of a new one.
+    Injector(usize),
+    /// The cells of the preset's occluder of this number, or of a new one.
+    Occluder(usize),
     /// Save what an export command says.
     Export(Command),
 }
@@ -23,6 +27,8 @@ impl Purpose {
         match self {
             Purpose::Open => "Open a preset",
             Purpose::SaveAs => "Save the preset as",
+            Purpose::Injector(_) => "A file of light: CSV or .npy, beside the preset",
+            Purpose::Occluder(_) => "A file of occupied cells: CSV, beside the preset",
             Purpose::Export(command) => command.explanation(),
         }
     }
@@ -30,19 +36,21 @@ impl Purpose {
     fn verb(self) -> &'static str {
         match self {
             Purpose::Open => "Open",
+            Purpose::Injector(_) | Purpose::Occluder(_) => "Use",
             Purpose::SaveAs | Purpose::Export(_) => "Save",
         }
     }
 
     fn writes(self) -> bool {
-        !matches!(self, Purpose::Open)
+        matches!(self, Purpose::SaveAs | Purpose::Export(_))
     }
 
     /// The endings that fit, the usual one first.
     fn endings(self) -> &'static [&'static str] {
         match self {
             Purpose::Open | Purpose::SaveAs => &["ron"],
-            Purpose::Export(Command::ExportCsv) => &["csv"],
+            Purpose::Injector(_) => &["csv", "npy"],
+            Purpose::Occluder(_) | Purpose::Export(Command::ExportCsv) => &["csv"],
             Purpose::Export(Command::ExportSvg) => &["svg"],
             Purpose::Export(Command::ExportPng) => &["png"],
             Purpose::Export(_) => &["svg", "png"],

@@ -7,7 +7,7 @@ use super::mesh::color;
 use super::worker::Order;
 use crate::report::colour::Theme;
 use crate::report::slice::SliceCell;
-use crate::scene::injector::InjectorKind;
+use crate::scene::injector::{Injector, InjectorKind};
 
 impl Lab {
     /// The view and its cell under the pointer.
@@ -32,6 +32,22 @@ impl Lab {
         let pin = Pin { level: cell.level, cell: cell.cell };
         let pin = (self.pin != Some(pin)).then_some(pin);
         self.set_pin(pin);
+    }
+
+    /// What a double click in a view does: it picks up the single injector that is there, or adds one.
+    pub(super) fn pick(&mut self, pointed: Pointed) {
+        let Some(shown) = self.shown.get(pointed.pane) else { return };
+        let plane = shown.slice.plane;
+        let cell = plane.axis.cell(plane.index, pointed.at[0], pointed.at[1]);
+        let kind = InjectorKind::Single { cell };
+        let injectors = &mut self.document.preset.injectors;
+        match injectors.iter().position(|injector| injector.kind == kind) {
+            Some(i) => {
+                self.placing = Some(i);
+                self.say(format!("Injector {} is picked up: click the cell where it is to go", i + 1));
+            }
+            None => injectors.push(Injector::new(kind)),
+        }
     }
 
     /// Keeps a cell in sight, or none.

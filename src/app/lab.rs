@@ -1,22 +1,25 @@
 //! The window's state, and what each command does to it. How it looks is in [`super::layout`].
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use egui::Context;
 
 use super::closing::Next;
 use super::command::{self, Command};
+use super::compare::{Comparison, describe};
 use super::controls::Wish;
 use super::document::Document;
 use super::errors::Run;
 use super::files::{Files, Purpose};
 use super::grids::{Grids, Pointed};
-use super::look::{Cloud, Layer, Light, Look, Pane, Pin, PinSample, Shown, State};
+use super::look::{Cloud, CloudAsk, Layer, Light, Look, Pane, Pin, PinSample, Shown, State};
 use super::settings::Settings;
+use super::space::Space;
 use super::view::Stage;
 use super::worker::{Load, News, Order, Progress, Start, Worker};
 use crate::field::Levels;
-use crate::scene::Preset;
+use crate::scene::{Preset, Propagation};
 use crate::simulation::{Action, Change};
 
 /// A line at the window's foot.
@@ -35,6 +38,8 @@ pub struct Lab {
     pub(super) document: Document,
     /// What the present results were made from.
     pub(super) ran: Preset,
+    /// The propagators that ran beside the preset's own.
+    others: Vec<Propagation>,
     pub(super) progress: Progress,
     /// What the last action changed.
     pub(super) change: Option<Change>,
@@ -43,13 +48,15 @@ pub struct Lab {
     /// The curves of earlier runs.
     pub(super) kept: Vec<Run>,
     pub(super) shown: Vec<Shown>,
-    pub(super) cloud: Option<Cloud>,
+    pub(super) cloud: Option<Arc<Cloud>>,
     asked: Option<Look>,
     /// Whether the views show what was asked for, after the last action.
     answered: bool,
     /// The iteration that is seen; `None` follows the latest.
     pub(super) at: Option<usize>,
     pub(super) grids: Grids,
+    pub(super) space: Space,
+    pub(super) comparison: Comparison,
     pub(super) pointed: Option<Pointed>,
     pub(super) pin: Option<Pin>,
     pub(super) pinned: Vec<PinSample>,
@@ -91,6 +98,9 @@ impl Lab {
             answered: false,
             at: None,
             grids: Grids::default(),
+            space: Space::default(),
+            comparison: Comparison::default(),
+            others: Vec::new(),
             pointed: None,
             pin: None,
             pinned: Vec::new(),
@@ -140,7 +150,7 @@ impl Lab {
 
     /// Whether the results were made from the scene as it is now.
     pub fn is_stale(&self) -> bool {
-        essence(&self.document.preset) != essence(&self.ran)
+        essence(&self.document.preset) != essence(&self.ran) || self.others != self.comparison.others
     }
 
     /// Whether iterations follow each other by themselves.
@@ -178,23 +188,29 @@ impl Lab {
             return;
         }
         self.ran = self.document.preset.clone();
-        self.runs = vec![Run { name: self.run_name(), rows: Vec::new(), color: self.kept.len() }];
+        self.others.clone_from(&self.comparison.others);
+        let propagators = std::iter::once(&self.document.preset.propagation).chain(&self.others);
+        let runs = propagators.enumerate().map(|(i, propagation)| Run {
+            name: describe(propagation),
+            rows: Vec::new(),
+            color: self.kept.len() + i,
+        });
+        self.runs = runs.collect();
         self.at = None;
         self.playing = None;
         self.notice = None;
         let Preset { size, coarsest, .. } = self.document.preset;
         let levels = Levels::new(size, coarsest).map_or(1, |levels| levels.count());
         self.progress = Progress { side: size, levels, ..Progress::default() };
-        let load =
-            Load { preset: self.document.preset.clone(), folder: self.document.folder(), others: Vec::new(), start };
+        let load = Load {
+            preset: self.document.preset.clone(),
+            folder: self.document.folder(),
+            others: self.others.clone(),
+            start,
+        };
         self.send(Order::Load(Box::new(load)));
         // What is to be seen outlasts scenes, but the worker answers for the scene it was asked with.
         self.asked = None;
-    }
-
-    fn run_name(&self) -> String {
-        let propagation = &self.document.preset.propagation;
-        format!("{} p = {}", propagation.scheme, propagation.factor)
     }
 
     fn send(&mut self, order: Order) {
@@ -249,7 +265,7 @@ impl Lab {
         let level = self.level();
         let view = &mut self.settings.view;
         match command {
-            Command::Open => self.files.ask(Purpose::Open, None),
+            Command::Open => self.files.ask(Purpose::Open, self.document.path()),
             Command::Save => self.save(),
             Command::SaveAs => self.files.ask(Purpose::SaveAs, self.document.path()),
             Command::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
@@ -295,14 +311,27 @@ impl Lab {
             }
             Command::WholeSlice => self.grids.whole(),
             Command::Grids => view.stage = Stage::Grids,
-            Command::Compare => view.stage = Stage::Compare,
+            Command::Compare => self.compare(ctx),
             Command::Space => view.stage = Stage::Space,
             Command::KeepRun => self.keep_run(),
             Command::ExportCsv | Command::ExportSvg | Command::ExportPng | Command::ExportGrids => {
                 self.files.ask(Purpose::Export(command), self.document.path());
             }
-            Command::CopyCurves => (),
+            Command::CopyCurves => self.copy_curves(ctx),
             Command::Keys => self.keys_open = !self.keys_open,
+        }
+    }
+
+    /// Shows propagators side by side; the first time it finds one to compare with.
+    fn compare(&mut self, ctx: &Context) {
+        self.settings.view.stage = Stage::Compare;
+        if self.comparison.others.is_empty() {
+            let stale = self.is_stale();
+            self.comparison.add(&self.document.preset.propagation);
+            // Edits that wait to be run are not run behind the researcher's back.
+            if !stale {
+                self.perform(Command::Rerun, ctx);
+            }
         }
     }
 
@@ -370,8 +399,9 @@ impl Lab {
             self.perform(Command::Rerun, ctx);
         }
         if let Some((purpose, path)) = self.files.chosen() {
-            self.use_file(purpose, &path);
+            self.use_file(purpose, &path, ctx);
         }
+        self.drop_files(ctx);
         let look = self.look();
         if self.asked.as_ref() != Some(&look) {
             self.worker.order(Order::Look(look.clone()));
@@ -412,7 +442,7 @@ impl Lab {
                 if self.asked.as_ref() == Some(&look) {
                     self.answered = true;
                     self.shown = panes;
-                    self.cloud = cloud;
+                    self.cloud = cloud.map(Arc::new);
                 }
             }
             News::Pinned(pin, samples) => {
@@ -440,14 +470,22 @@ impl Lab {
         if let Some(place) = wish.place {
             self.placing = place;
         }
+        if let Some(i) = wish.injector_file {
+            self.files.ask(Purpose::Injector(i), None);
+        }
+        if let Some(i) = wish.occluder_file {
+            self.files.ask(Purpose::Occluder(i), None);
+        }
     }
 
     /// Does with a file what it was chosen for.
-    fn use_file(&mut self, purpose: Purpose, path: &Path) {
+    fn use_file(&mut self, purpose: Purpose, path: &Path, ctx: &Context) {
         match purpose {
-            Purpose::Open => self.open(path),
+            Purpose::Open => self.ask_to_lose(Next::Open(path.to_path_buf()), ctx),
             Purpose::SaveAs => self.save_as(Some(path.to_path_buf())),
-            Purpose::Export(_) => (),
+            Purpose::Export(command) => self.export(command, path),
+            Purpose::Injector(i) => self.injector_file(i, path),
+            Purpose::Occluder(i) => self.occluder_file(i, path),
         }
     }
 
@@ -455,8 +493,16 @@ impl Lab {
     fn look(&self) -> Look {
         let view = &self.settings.view;
         let state = State { track: 0, iteration: self.at };
-        let panes = Light::ALL.map(|light| Pane { light, state, minus: None }).to_vec();
-        Look { panes, layer: view.layer, plane: view.plane(), cloud: None }
+        let pane = |light| Pane { light, state, minus: None };
+        let (panes, cloud) = match view.stage {
+            Stage::Grids => (Light::ALL.map(pane).to_vec(), None),
+            Stage::Compare => (self.comparison.panes(self.at, self.runs.len()), None),
+            Stage::Space => {
+                let ask = CloudAsk { pane: pane(self.comparison.light), threshold: self.space.eye.threshold };
+                (vec![ask.pane], Some(ask))
+            }
+        };
+        Look { panes, layer: view.layer, plane: view.plane(), cloud }
     }
 }
 

@@ -7,9 +7,10 @@ use super::command::Command;
 use super::controls::{self, Surroundings};
 use super::glyphs::Scales;
 use super::lab::Lab;
-use super::look::Layer;
+use super::compare::{Sides, letter};
+use super::look::{Layer, Light, Pane};
 use super::view::Stage;
-use super::{legend, timeline, toolbar};
+use super::{compare, inspector, legend, timeline, toolbar};
 use crate::report::colour::Theme;
 use crate::scene::builtin;
 
@@ -108,6 +109,11 @@ impl Lab {
         ui.add_space(4.0);
         self.stale_banner(ui);
         let around = Surroundings { axis: self.settings.view.axis(), placing: self.placing };
+        if self.settings.view.stage == Stage::Compare {
+            ui.label(RichText::new("Compared propagators").strong());
+            compare::propagators(self, ui);
+            ui.separator();
+        }
         let wish = controls::ui(ui, &mut self.document.preset, around);
         self.grant(wish);
     }
@@ -138,7 +144,12 @@ impl Lab {
             legend::ui(ui, &self.settings.view, &scales, &self.shown, &theme);
         });
         match self.settings.view.stage {
-            Stage::Grids | Stage::Compare | Stage::Space => self.flat(ui, &theme, &scales),
+            Stage::Grids => self.flat(ui, &theme, &scales),
+            Stage::Compare => {
+                compare::bar(self, ui);
+                self.flat(ui, &theme, &scales);
+            }
+            Stage::Space => self.space(ui, &theme, &scales),
         }
     }
 
@@ -147,15 +158,63 @@ impl Lab {
         let marks = self.marks(theme);
         let view = &self.settings.view;
         self.pointed = self.grids.ui(ui, &self.shown, &titles, view, theme, scales, &marks);
-        if let Some(pointed) = self.pointed.filter(|pointed| pointed.clicked) {
-            self.click(pointed);
+        if let Some(pointed) = self.pointed {
+            if pointed.double_clicked {
+                self.pick(pointed);
+            } else if pointed.clicked {
+                self.click(pointed);
+            }
         }
     }
 
-    fn title(&self, shown: &super::look::Shown) -> String {
-        let light = shown.pane.light;
+    /// The light in space, with the slice beside it.
+    fn space(&mut self, ui: &mut Ui, theme: &Theme, scales: &Scales) {
+        ui.horizontal_wrapped(|ui| {
+            for light in Light::ALL {
+                ui.selectable_value(&mut self.comparison.light, light, light.name());
+            }
+            ui.separator();
+            let eye = &mut self.space.eye;
+            ui.selectable_value(&mut eye.lobes, false, "Cubes");
+            ui.selectable_value(&mut eye.lobes, true, "Lobes");
+            ui.separator();
+            ui.label("from");
+            let threshold = egui::DragValue::new(&mut eye.threshold).range(0.0..=1.0).speed(0.001).max_decimals(4);
+            let threshold = ui.add(threshold).on_hover_text("The share of the strongest light below which cells are left out");
+            controls::name(&threshold, "Threshold");
+            if let Some(cloud) = &self.cloud {
+                let left_out = if cloud.left_out > 0 { format!(", {} weaker ones left out", cloud.left_out) } else { String::new() };
+                ui.label(format!("of the strongest c00 = {}:  {} cells{left_out}", legend::number(cloud.strongest), cloud.cells.len()));
+            }
+        });
+        let side = ui.available_height().min(ui.available_width() * 0.4);
+        Panel::right("slice beside").show_separator_line(false).exact_size(side).frame(Frame::NONE).show(ui, |ui| {
+            self.flat(ui, theme, scales);
+        });
+        if let Some(cloud) = self.cloud.clone() {
+            self.space.ui(ui, &cloud, &self.settings.view, theme);
+        }
+    }
+
+    pub(super) fn title(&self, shown: &super::look::Shown) -> String {
+        let Pane { light, state, minus } = shown.pane;
+        let symbol = light.symbol(shown.iteration);
         let forgotten = if shown.forgotten { " (iteration no longer kept)" } else { "" };
-        format!("{}  {}{forgotten}", light.name(), light.symbol(shown.iteration))
+        let by_propagators = self.comparison.sides == Sides::Propagators;
+        match (self.settings.view.stage, minus) {
+            (Stage::Compare, None) if by_propagators => {
+                let name = self.runs.get(state.track).map_or("", |run| run.name.as_str());
+                format!("{}  {name}:  {symbol}{forgotten}", letter(state.track))
+            }
+            (Stage::Compare, Some(other)) if by_propagators => {
+                format!("{} − {}:  difference of {symbol}", letter(state.track), letter(other.track))
+            }
+            (Stage::Compare, Some(other)) => {
+                format!("k = {} minus k = {}", shown.iteration, other.iteration.unwrap_or(self.progress.iteration))
+            }
+            (Stage::Compare, None) => format!("k = {}:  {} {symbol}{forgotten}", shown.iteration, light.name()),
+            _ => format!("{}  {symbol}{forgotten}", light.name()),
+        }
     }
 
     fn errors(&mut self, ui: &mut Ui) {
@@ -176,6 +235,7 @@ impl Lab {
                 self.items(ui, &[Command::ExportCsv, Command::ExportSvg, Command::ExportPng, Command::CopyCurves]);
             });
         });
+        Panel::right("inspector").exact_size(250.0).resizable(false).show(ui, |ui| inspector::ui(self, ui, &theme));
         let runs: Vec<&super::errors::Run> = self.runs.iter().chain(&self.kept).collect();
         self.settings.plots.ui(ui, &runs, &theme, seen);
     }
@@ -240,6 +300,8 @@ impl Lab {
                 });
                 ui.add_space(6.0);
                 ui.label("In a view: scroll to zoom, drag to pan, click a cell to pin it.");
+                ui.label("Double-click a cell to add a single injector, or to pick up the one that is there.");
+                ui.label("In 3D: drag to orbit, Shift and drag to pan, scroll to zoom, double-click to reset.");
                 ui.label("Drag a number to change it, or click it and type.");
             });
         });

@@ -53,6 +53,8 @@ pub fn ui(ui: &mut Ui, view: &View, scales: &Scales, shown: &[Shown], theme: &Th
 
 /// A number as short as it can be read.
 pub fn number(value: f32) -> String {
+    // A zero has no sign worth showing.
+    let value = value + 0.0;
     if value == 0.0 || (1e-3..1e4).contains(&value.abs()) { format!("{value:.4}") } else { format!("{value:.2e}") }
 }
 

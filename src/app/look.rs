@@ -38,6 +38,8 @@ impl Light {
             Light::Source => format!("S_{k}"),
             Light::Target if k == 0 => "empty until the first iteration".to_owned(),
             Light::Target => format!("S_{}", k - 1),
+            Light::Accumulated if k == 0 => "S_A = S_0".to_owned(),
+            Light::Accumulated if k == 1 => "S_A = S_0 + S_1".to_owned(),
             Light::Accumulated => format!("S_A = S_0 + … + S_{k}"),
         }
     }

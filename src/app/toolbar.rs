@@ -54,7 +54,8 @@ pub fn view(lab: &mut Lab, ui: &mut Ui) {
             let chosen = lab.settings.view.stage == stage;
             let tab = ui.selectable_label(chosen, command.name()).on_hover_text(command.tooltip(ui.ctx()));
             if tab.clicked() {
-                lab.settings.view.stage = stage;
+                let ctx = ui.ctx().clone();
+                lab.perform(command, &ctx);
             }
         }
         ui.separator();

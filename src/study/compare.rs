@@ -12,7 +12,8 @@ use std::time::{Duration, Instant};
 use crate::field::Grid;
 use crate::scene::Scene;
 use crate::simulation::{Action, Light, Simulation, SimulationError};
-use crate::study::error::{self, ErrorRow, Metric};
+use crate::study::error::{self, ErrorRow};
+use crate::study::reference;
 use places::Places;
 
 /// The most iterations that convergence is waited for.
@@ -42,8 +43,7 @@ impl Reference {
     /// The light that ought to be in every finest cell, for each channel, once `simulation` has run.
     fn light(self, simulation: &Simulation<f32>) -> Vec<Grid<f32>> {
         match self {
-            // Every level is propagated by itself, so the finest is a uniform volume.
-            Reference::Uniform => simulation.lights().iter().map(|l| l.accumulated.level(0).clone()).collect(),
+            Reference::Uniform => reference::uniform(simulation),
         }
     }
 }
@@ -104,7 +104,7 @@ pub fn run(scene: &Scene, scheme: &str, reference: Reference) -> Result<Finding,
     }
     simulation.act(Action::Merge);
     let expected = reference.light(&simulation);
-    let error = merged_error(&simulation, &expected);
+    let error = error::merged(&simulation, &expected);
     let merged = brightness(&weights, simulation.lights(), |l| l.merged.as_ref().unwrap_or(l.accumulated.level(0)));
 
     let energy_left = ratio(energies[iterations], energies[0]);
@@ -152,17 +152,6 @@ fn brightness<'a>(
         sums.iter_mut().zip(grid.iter()).for_each(|(sum, (_, light))| *sum += weight * f64::from(light.0[0]));
     }
     sums
-}
-
-/// The merged light against what it ought to be.
-fn merged_error(simulation: &Simulation<f32>, expected: &[Grid<f32>]) -> ErrorRow {
-    let scales = error::channel_scales(simulation);
-    let tally = error::tally(&scales, simulation.sizes().finest(), |channel, cell| {
-        let light = &simulation.lights()[channel];
-        let merged = light.merged.as_ref().unwrap_or(light.accumulated.level(0));
-        (merged.get(cell), expected[channel].get(cell))
-    });
-    tally.row(simulation.iteration(), Metric::Merged, None)
 }
 
 /// The first iteration that adds less than [`CONVERGED`] of all light so far; `energies` start with the injected.
