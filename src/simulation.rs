@@ -10,10 +10,18 @@
 //! - *Propagate* takes every level one iteration further: source to target, target added to
 //!   accumulated, then source and target swap.
 //! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell.
+//!
+//! A propagation that could take light out of the range of numbers is not done: the light stays as it
+//! was, and [`Simulation::divergence`] tells why.
+
+mod ceiling;
 
 use std::fmt;
 
-use crate::field::{Channels, Grid, IndexVolume, Levels, Octree};
+pub use ceiling::{Divergence, limit};
+use ceiling::Ceiling;
+
+use crate::field::{Channels, Grid, IndexVolume, Levels, Octree, memory};
 use crate::propagate::kernel::plain;
 use crate::propagate::scheme::{self, Scheme};
 use crate::propagate::stencil::Stencil;
@@ -86,6 +94,21 @@ pub enum SimulationError {
         /// The side of the coarsest level.
         coarsest: usize,
     },
+    /// More light than the machine has memory for.
+    #[error(
+        "a volume of side {size} needs {} of memory and {} are free; the largest size that fits is {largest}",
+        memory::in_words(*needed), memory::in_words(*free)
+    )]
+    Memory {
+        /// The side of the finest level.
+        size: usize,
+        /// Bytes that its light takes.
+        needed: u64,
+        /// Bytes that the machine has left.
+        free: u64,
+        /// The largest side whose light fits.
+        largest: usize,
+    },
 }
 
 /// One channel of light in its three octrees.
@@ -111,6 +134,8 @@ pub struct Simulation<T> {
     lights: Vec<Light<T>>,
     index: IndexVolume,
     iteration: usize,
+    ceiling: Ceiling,
+    divergence: Option<Divergence>,
 }
 
 impl<T: Real> Simulation<T> {
@@ -121,10 +146,13 @@ impl<T: Real> Simulation<T> {
         let stencils = stencils(&scene.propagation, sizes)?;
         let colors: Vec<[f64; 3]> = scene.sources.iter().map(|source| source.color).collect();
         let channels = Channels::of_colors(&colors);
+        refuse_what_does_not_fit::<T>(sizes, channels.count())?;
+        let ceiling = Ceiling::new(&stencils, scene.occlusion.bounce);
         let dark = || Octree::new(sizes);
         let light = || Light { source: dark(), target: dark(), accumulated: dark(), merged: None };
         let lights = (0..channels.count()).map(|_| light()).collect();
-        Ok(Simulation { scene, sizes, channels, stencils, lights, index: IndexVolume::new(sizes), iteration: 0 })
+        let index = IndexVolume::new(sizes);
+        Ok(Simulation { scene, sizes, channels, stencils, lights, index, iteration: 0, ceiling, divergence: None })
     }
 
     /// The scene that is simulated.
@@ -157,9 +185,15 @@ impl<T: Real> Simulation<T> {
         self.iteration
     }
 
+    /// Why the last propagation was not done, if it was not: its light could have left the range of numbers.
+    pub fn divergence(&self) -> Option<Divergence> {
+        self.divergence
+    }
+
     /// Takes other settings for the iterations to come; the light stays as it is.
     pub fn set_propagation(&mut self, propagation: Propagation) -> Result<(), SimulationError> {
         self.stencils = stencils(&propagation, self.sizes)?;
+        self.ceiling = Ceiling::new(&self.stencils, self.scene.occlusion.bounce);
         self.scene.propagation = propagation;
         Ok(())
     }
@@ -167,6 +201,7 @@ impl<T: Real> Simulation<T> {
     /// Does one action and tells what it changed.
     pub fn act(&mut self, action: Action) -> Change {
         let lit_before = self.lit();
+        self.divergence = None;
         let unchanged = Change {
             action,
             iteration: 0,
@@ -178,21 +213,30 @@ impl<T: Real> Simulation<T> {
         };
         let change = match action {
             Action::Clear => {
+                self.ceiling.forget();
                 self.clear();
                 Change { source: true, target: true, accumulated: true, merged: true, ..unchanged }
             }
             Action::Inject => {
+                self.ceiling.forget();
                 let accumulated = self.inject();
                 Change { source: true, accumulated, ..unchanged }
             }
             Action::Downsample => {
+                self.ceiling.forget();
                 self.downsample();
                 Change { source: true, accumulated: true, ..unchanged }
             }
-            Action::Propagate => {
-                self.propagate();
-                Change { source: true, target: true, accumulated: true, ..unchanged }
-            }
+            Action::Propagate => match self.ceiling.admit(self.iteration + 1, &self.lights) {
+                Ok(()) => {
+                    self.propagate();
+                    Change { source: true, target: true, accumulated: true, ..unchanged }
+                }
+                Err(divergence) => {
+                    self.divergence = Some(divergence);
+                    unchanged
+                }
+            },
             Action::Merge => {
                 self.merge();
                 Change { merged: true, ..unchanged }
@@ -203,7 +247,7 @@ impl<T: Real> Simulation<T> {
 
     /// Clear, inject, downsample, as many iterations as the scene asks for, merge; `watch` sees the
     /// simulation after the downsampling (iteration 0) and after every iteration, and returns whether to
-    /// go on.
+    /// go on. Where the light diverges the iterations end early, and [`Self::divergence`] tells of it.
     pub fn run(&mut self, mut watch: impl FnMut(&Self) -> bool) {
         for action in [Action::Clear, Action::Inject, Action::Downsample] {
             self.act(action);
@@ -211,9 +255,12 @@ impl<T: Real> Simulation<T> {
         let mut go_on = watch(self);
         while go_on && self.iteration < self.scene.propagation.iterations {
             self.act(Action::Propagate);
+            if self.divergence.is_some() {
+                break;
+            }
             go_on = watch(self);
         }
-        self.act(Action::Merge);
+        self.merge();
     }
 
     /// Cells, over all levels, that have received light.
@@ -287,6 +334,18 @@ impl<T: Real> Simulation<T> {
             self.index.merge(&light.accumulated, merged);
         }
     }
+}
+
+/// Refuses light that the machine has no memory for, before any of it is allocated.
+fn refuse_what_does_not_fit<T>(sizes: Levels, channels: usize) -> Result<(), SimulationError> {
+    let needed = |size: usize| memory::of_simulation::<T>(sizes.with_finest(size), channels);
+    let size = sizes.finest();
+    let Some(free) = memory::free().filter(|free| needed(size) > *free) else { return Ok(()) };
+    let mut largest = size;
+    while largest > 1 && needed(largest) > free {
+        largest /= 2;
+    }
+    Err(SimulationError::Memory { size, needed: needed(size), free, largest })
 }
 
 /// The operator of every level.
