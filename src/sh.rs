@@ -158,6 +158,12 @@ impl<T: Real> Sh<T> {
         Sh(c)
     }
 
+    /// The function with every direction replaced by its opposite.
+    pub fn reversed(self) -> Self {
+        let Sh([c00, x, y, z]) = self;
+        Sh([c00, -x, -y, -z])
+    }
+
     /// The same function in double precision.
     pub fn widen(self) -> Sh<f64> {
         Sh(self.0.map(T::to_f64))

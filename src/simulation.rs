@@ -32,6 +32,7 @@ use crate::propagate::levels::{self, Policy, TooLarge};
 use crate::propagate::scheme::{self, Scheme};
 use crate::propagate::stencil::Stencil;
 use crate::scene::Scene;
+use crate::scene::error::nearest;
 use crate::scene::preset::{Propagation, Snapshots};
 use crate::sh::Real;
 
@@ -85,10 +86,12 @@ pub struct Change {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SimulationError {
     /// No scheme of that name.
-    #[error("unknown scheme \"{name}\"; known schemes: {known}")]
+    #[error("unknown scheme \"{name}\"; {}known schemes: {known}", .nearest.map_or(String::new(), |n| format!("did you mean \"{n}\"? ")))]
     UnknownScheme {
         /// The name asked for.
         name: String,
+        /// The name that it may be meant to be.
+        nearest: Option<&'static str>,
         /// The names there are.
         known: String,
     },
@@ -406,6 +409,9 @@ fn operators<T: Real>(
 
 /// The scheme of that name, or an error that names those there are.
 pub fn known_scheme(name: &str) -> Result<Scheme, SimulationError> {
-    scheme::find(name)
-        .ok_or_else(|| SimulationError::UnknownScheme { name: name.to_owned(), known: scheme::names().join(", ") })
+    scheme::find(name).ok_or_else(|| SimulationError::UnknownScheme {
+        name: name.to_owned(),
+        nearest: nearest(name, &scheme::names()),
+        known: scheme::names().join(", "),
+    })
 }
