@@ -18,8 +18,8 @@ mod ceiling;
 
 use std::fmt;
 
-pub use ceiling::{Divergence, limit};
 use ceiling::Ceiling;
+pub use ceiling::{Divergence, limit};
 
 use crate::field::{Channels, Grid, IndexVolume, Levels, Octree, memory};
 use crate::propagate::kernel::plain;

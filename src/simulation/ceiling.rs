@@ -76,11 +76,8 @@ impl Bound {
 impl Ceiling {
     /// For the operators of all levels; `bounce` is the preset's.
     pub fn new<T: Real>(stencils: &[Stencil<T>], bounce: f64) -> Self {
-        let unknown = |stencil| Bound {
-            norm: norm(stencil, bounce),
-            source: f64::INFINITY,
-            accumulated: f64::INFINITY,
-        };
+        let unknown =
+            |stencil| Bound { norm: norm(stencil, bounce), source: f64::INFINITY, accumulated: f64::INFINITY };
         Ceiling { levels: stencils.iter().map(unknown).collect() }
     }
 
