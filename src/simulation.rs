@@ -352,15 +352,11 @@ impl<T: Real> Simulation<T> {
 
     fn propagate(&mut self) {
         let keep_source = self.iteration == 0 && self.scene.propagation.snapshots == Snapshots::CopyFirst;
-        let occluders = self.occluders.as_ref().filter(|(_, from)| self.iteration + 1 >= *from).map(|(o, _)| o);
+        let occluders = acting(&self.occluders, self.iteration + 1);
         for (colour, light) in self.lights.iter_mut().enumerate() {
             for (i, stencil) in self.stencils.iter().enumerate() {
                 let (source, target) = (light.source.level(i), light.target.level_mut(i));
-                match occluders {
-                    // Where albedos have colours each channel is one; where not, any colour will do.
-                    Some(occluders) => occluders.propagate(stencil, Which { level: i, colour }, source, target),
-                    None => plain::propagate(stencil, source, target),
-                }
+                step(occluders, stencil, Which { level: i, colour }, source, target);
                 if keep_source {
                     target.add_grid(source);
                 }
@@ -373,14 +369,40 @@ impl<T: Real> Simulation<T> {
     }
 
     fn merge(&mut self) {
-        for light in &mut self.lights {
-            let merged = light.merged.get_or_insert_with(|| Grid::new(self.sizes.finest()));
-            self.index.merge(&light.accumulated, merged);
-            if let Some((Occluders::Hard(hard), _)) = &self.occluders {
-                let finest = light.accumulated.level(0);
-                hard.barrier.shut().for_each(|cell| merged.set(cell, finest.get(cell)));
-            }
+        for channel in 0..self.lights.len() {
+            let mut merged = self.lights[channel].merged.take().unwrap_or_else(|| Grid::new(self.sizes.finest()));
+            self.sample(channel, &mut merged);
+            self.lights[channel].merged = Some(merged);
         }
+    }
+
+    /// Sets `merged` to the sample S(x, y, z) of a channel's accumulated octree at every finest cell, as
+    /// merging does.
+    pub fn sample(&self, channel: usize, merged: &mut Grid<T>) {
+        let accumulated = &self.lights[channel].accumulated;
+        self.index.merge(accumulated, merged);
+        if let Some((Occluders::Hard(hard), _)) = &self.occluders {
+            hard.barrier.shut().for_each(|cell| merged.set(cell, accumulated.level(0).get(cell)));
+        }
+    }
+}
+
+/// The occluders that act in an iteration, counted from 1.
+fn acting<T>(occluders: &Option<(Occluders<T>, usize)>, iteration: usize) -> Option<&Occluders<T>> {
+    occluders.as_ref().filter(|(_, from)| iteration >= *from).map(|(occluders, _)| occluders)
+}
+
+/// One iteration of one level. Where albedos have colours each channel is one; where not, any colour will do.
+fn step<T: Real>(
+    occluders: Option<&Occluders<T>>,
+    stencil: &Stencil<T>,
+    which: Which,
+    source: &Grid<T>,
+    target: &mut Grid<T>,
+) {
+    match occluders {
+        Some(occluders) => occluders.propagate(stencil, which, source, target),
+        None => plain::propagate(stencil, source, target),
     }
 }
 
