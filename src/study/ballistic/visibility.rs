@@ -22,8 +22,8 @@ impl Visibility {
     }
 
     /// The share of light that gets from the centre of one cell to the centre of another, 0 to 1. The cells at
-    /// both ends do not weaken it. Where the line leaves a cell exactly through an edge or a corner, the cells
-    /// that touch it there count with their mean: between two that block, no light gets through.
+    /// both ends do not weaken it. Where the line leaves a cell exactly through an edge or a corner, it counts as
+    /// the mean of the lines close by: between two cells that block, no light gets through.
     pub fn between(&self, from: Cell, to: Cell) -> f64 {
         let length: [usize; 3] = std::array::from_fn(|a| from[a].abs_diff(to[a]));
         let mut gone = [0; 3];
@@ -46,23 +46,21 @@ impl Visibility {
         }
     }
 
-    /// The mean over the cells beside an edge or a corner; 1 where a face is crossed.
+    /// What gets past an edge or a corner: lines close by cross its borders one after the other, in every
+    /// order, so this is the mean over all orders of what the cells on the way let through; 1 at a face.
     fn corner(&self, from: Cell, to: Cell, gone: [usize; 3], crossed: [bool; 3]) -> f64 {
-        let axes = crossed.iter().filter(|c| **c).count();
-        let mut passed = 1.0;
-        // At a corner the line passes three cells that are one step on, then three that are two steps on.
-        for steps in 1..axes {
-            let (mut sum, mut count) = (0.0, 0.0);
-            for chosen in 1..8usize {
-                let takes = |a: usize| chosen >> a & 1 == 1;
-                if chosen.count_ones() as usize == steps && (0..3).all(|a| crossed[a] || !takes(a)) {
-                    sum += self.at(from, to, std::array::from_fn(|a| gone[a] + usize::from(takes(a))));
-                    count += 1.0;
-                }
-            }
-            passed *= sum / count;
-        }
-        passed
+        const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+        let steps = crossed.iter().filter(|c| **c).count();
+        let pass = |order: &[usize; 3]| {
+            let mut at = gone;
+            // The cell behind the last border is the next on the line itself, and not counted here.
+            let between = order.iter().filter(|&&a| crossed[a]).take(steps - 1);
+            between.fold(1.0, |passed, &a| {
+                at[a] += 1;
+                passed * self.at(from, to, at)
+            })
+        };
+        ORDERS.iter().map(pass).sum::<f64>() / ORDERS.len() as f64
     }
 
     fn at(&self, from: Cell, to: Cell, gone: [usize; 3]) -> f64 {
