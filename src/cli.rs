@@ -7,6 +7,7 @@ mod output;
 mod presets;
 mod run;
 mod schemes;
+mod stability;
 
 use std::path::PathBuf;
 
@@ -52,6 +53,8 @@ pub enum Command {
     Schemes(schemes::SchemesArgs),
     /// List the built-in presets, or write them to a folder
     Presets(presets::PresetsArgs),
+    /// Gains and critical factors of every scheme and size; single precision against double in long runs
+    Stability(stability::StabilityArgs),
     /// Print completions for a shell
     #[command(after_help = "Example:\n  lpv-lab completions bash > ~/.local/share/bash-completion/completions/lpv-lab")]
     Completions {
@@ -92,6 +95,12 @@ impl From<crate::scene::SceneError> for CliError {
     }
 }
 
+impl From<crate::simulation::Divergence> for CliError {
+    fn from(divergence: crate::simulation::Divergence) -> Self {
+        CliError::Failed(format!("{divergence}; use a smaller factor, as `lpv-lab stability PRESET` lists them"))
+    }
+}
+
 impl From<crate::simulation::SimulationError> for CliError {
     fn from(error: crate::simulation::SimulationError) -> Self {
         CliError::Input(error.to_string())
@@ -114,6 +123,7 @@ pub fn execute(command: Command) -> Result<(), CliError> {
         Command::Compare(args) => compare::run(&args),
         Command::Schemes(args) => schemes::run(&args),
         Command::Presets(args) => presets::run(&args),
+        Command::Stability(args) => stability::run(&args),
         Command::Completions { shell } => {
             clap_complete::generate(shell, &mut Cli::command(), "lpv-lab", &mut std::io::stdout());
             Ok(())

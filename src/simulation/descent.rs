@@ -1,7 +1,7 @@
 //! Downsampling for levels that agree: every level takes its light over from the next finer one
 //! ([`crate::propagate::levels`]).
 
-use super::{Light, Simulation};
+use super::{Light, Simulation, acting, step};
 use crate::field::{Grid, downsample_into};
 use crate::propagate::kernel::occluded::Which;
 use crate::propagate::levels;
@@ -18,8 +18,10 @@ impl<T: Real> Simulation<T> {
         for (colour, Light { source, accumulated, .. }) in self.lights.iter_mut().enumerate() {
             for i in 1..self.sizes.count() {
                 let mut moved = Grid::new(self.sizes.side(i - 1));
+                // Each level has gone a step further than the one before.
+                let occluders = acting(&self.occluders, self.iteration + i);
                 let which = Which { level: i - 1, colour };
-                self.occlusion.step(self.iteration + 1, &self.stencils[i - 1], which, source.level(i - 1), &mut moved);
+                step(occluders, &self.stencils[i - 1], which, source.level(i - 1), &mut moved);
                 levels::hand_down(self.residences[i - 1], self.residences[i], &moved, source.level_mut(i));
 
                 let mut rested = accumulated.level(i - 1).clone();

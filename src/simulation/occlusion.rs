@@ -1,74 +1,33 @@
-//! What a scene's occluders are to its simulation: of which kind, from which iteration on, whether they tint
-//! light.
+//! What a scene's occluders are to its simulation: which kind of occluders, from which iteration on, and
+//! whether they tint light.
 
-use crate::field::{Channels, Grid, IndexVolume, Levels};
+use crate::field::{Channels, IndexVolume, Levels};
 use crate::propagate::barrier::Barrier;
 use crate::propagate::geometry::Geometry;
-use crate::propagate::kernel::occluded::{Fuzzy, Hard, Mirrored, Occluders, Which};
-use crate::propagate::kernel::plain;
+use crate::propagate::kernel::occluded::{Fuzzy, Hard, Mirrored, Occluders};
 use crate::propagate::scheme::{Scheme, Surface};
-use crate::propagate::stencil::Stencil;
 use crate::scene::Scene;
 use crate::scene::occluder::{BlockingSign, OcclusionMode};
 use crate::sh::Real;
 
-/// The occluders of a scene as a scheme sees them.
-#[derive(Clone, Debug)]
-pub(super) struct Occlusion<T> {
-    occluders: Option<Occluders<T>>,
-    /// The first iteration in which they act.
-    from_iteration: usize,
-}
-
-impl<T: Real> Occlusion<T> {
-    pub(super) fn new(scene: &Scene, sizes: Levels, scheme: &Scheme) -> Self {
-        let hindered = !scene.blockers.is_empty() && scene.occlusion.mode != OcclusionMode::Off;
-        let occluders = hindered.then(|| occluders(scene, sizes, scheme));
-        // What is fuzzy lets light get away from its own surface first. Hard cells and mirrors do not block the
-        // light that starts in them.
-        let fuzzy = matches!(occluders, Some(Occluders::Fuzzy(_)));
-        Occlusion { occluders, from_iteration: if fuzzy { scene.occlusion.from_iteration } else { 0 } }
-    }
-
-    /// Sets `target` to what `source` sends in the given iteration, among the occluders that act in it.
-    pub(super) fn step(
-        &self,
-        iteration: usize,
-        stencil: &Stencil<T>,
-        which: Which,
-        source: &Grid<T>,
-        target: &mut Grid<T>,
-    ) {
-        match &self.occluders {
-            Some(occluders) if iteration >= self.from_iteration => {
-                occluders.propagate(stencil, which, source, target);
-            }
-            _ => plain::propagate(stencil, source, target),
-        }
-    }
-
-    /// Sees to it that cells which no light can enter are sampled at level 0.
-    pub(super) fn mark_shut(&self, index: &mut IndexVolume) {
-        if let Some(Occluders::Hard(hard)) = &self.occluders {
-            let marks = index.level_mut(0);
-            hard.barrier.shut().for_each(|cell| marks.set(cell));
-        }
-    }
-}
-
-fn occluders<T: Real>(scene: &Scene, sizes: Levels, scheme: &Scheme) -> Occluders<T> {
+/// The occluders of a scene as a scheme sees them, and the first iteration in which they act. `None`
+/// where there are none.
+pub(super) fn occluders<T: Real>(scene: &Scene, sizes: Levels, scheme: &Scheme) -> Option<(Occluders<T>, usize)> {
     let occlusion = scene.occlusion;
+    if scene.blockers.is_empty() || occlusion.mode == OcclusionMode::Off {
+        return None;
+    }
     let geometry = Geometry::new(sizes, &scene.blockers);
     // Reflection is what a mirroring scheme is; in the others it is an extra that the preset asks for.
     let mirrors = scheme.surface == Surface::Mirrored;
-    match occlusion.mode {
+    let occluders = match occlusion.mode {
         OcclusionMode::Hard => {
             let injected = scene.sources.iter().flat_map(|source| &source.light);
             let barrier = Barrier::new(sizes, &scene.blockers, injected.map(|(cell, _)| *cell));
             let bounce = if mirrors { 1.0 } else { occlusion.bounce };
-            Occluders::Hard(Hard { barrier, geometry, bounce: T::of(bounce) })
+            (Occluders::Hard(Hard { barrier, geometry, bounce: T::of(bounce) }), 0)
         }
-        _ if mirrors => Occluders::Mirrored(Mirrored { geometry }),
+        _ if mirrors => (Occluders::Mirrored(Mirrored { geometry }), 0),
         _ => {
             let fuzzy = Fuzzy {
                 geometry,
@@ -76,8 +35,17 @@ fn occluders<T: Real>(scene: &Scene, sizes: Levels, scheme: &Scheme) -> Occluder
                 along_travel: occlusion.sign == BlockingSign::AlongTravel,
                 bounce: T::of(occlusion.bounce),
             };
-            Occluders::Fuzzy(fuzzy)
+            (Occluders::Fuzzy(fuzzy), occlusion.from_iteration)
         }
+    };
+    Some(occluders)
+}
+
+/// Sees to it that cells which hard occluders let no light enter are sampled at level 0.
+pub(super) fn mark_shut<T: Real>(occluders: Option<&(Occluders<T>, usize)>, index: &mut IndexVolume) {
+    if let Some((Occluders::Hard(hard), _)) = occluders {
+        let marks = index.level_mut(0);
+        hard.barrier.shut().for_each(|cell| marks.set(cell));
     }
 }
 
