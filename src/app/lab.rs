@@ -16,11 +16,13 @@ use super::grids::{Grids, Pointed};
 use super::look::{Cloud, CloudAsk, Layer, Light, Look, Pane, Pin, PinSample, Shown, State};
 use super::settings::Settings;
 use super::space::Space;
+use super::style;
 use super::view::Stage;
 use super::worker::{Load, News, Order, Progress, Start, Worker};
 use crate::field::Levels;
 use crate::scene::{Preset, Propagation};
 use crate::simulation::{Action, Change};
+use crate::study::error::Metric;
 
 /// A line at the window's foot.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,6 +73,7 @@ pub struct Lab {
     /// Since when an action's news are waited for, in seconds.
     pub(super) waiting: Option<f64>,
     pub(super) keys_open: bool,
+    pub(super) window_title: String,
     /// Whether the window may close although edits are not saved.
     pub(super) discard: bool,
     /// What waits for edits to be saved or given up.
@@ -82,6 +85,7 @@ impl Lab {
     pub fn new(ctx: &Context, preset: Preset, path: Option<PathBuf>, settings: Settings) -> std::io::Result<Self> {
         let wake = ctx.clone();
         let worker = Worker::start(settings.budget(), move || wake.request_repaint())?;
+        style::apply(ctx);
         let files = Files::new(ctx);
         let mut lab = Lab {
             worker,
@@ -111,6 +115,7 @@ impl Lab {
             playing: None,
             waiting: None,
             keys_open: false,
+            window_title: String::new(),
             discard: false,
             next: None,
         };
@@ -494,6 +499,11 @@ impl Lab {
         }
     }
 
+    /// Whether errors of cells are against a uniform volume: whenever the plots' are not the thesis's.
+    pub(super) fn measures_uniform(&self) -> bool {
+        self.settings.plots.metric != Metric::Thesis.name()
+    }
+
     /// What is to be seen.
     fn look(&self) -> Look {
         let view = &self.settings.view;
@@ -507,7 +517,8 @@ impl Lab {
                 (vec![ask.pane], Some(ask))
             }
         };
-        Look { panes, layer: view.layer, plane: view.plane(), cloud }
+        let uniform = self.measures_uniform();
+        Look { panes, layer: view.layer, plane: view.plane(), uniform, cloud }
     }
 }
 

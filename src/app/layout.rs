@@ -10,24 +10,23 @@ use super::lab::Lab;
 use super::compare::{Sides, letter};
 use super::look::{Layer, Light, Pane};
 use super::view::Stage;
+use super::style::theme;
 use super::{compare, inspector, legend, timeline, toolbar};
 use crate::report::colour::Theme;
 use crate::scene::builtin;
-
-/// The report's colours for the window's theme.
-pub fn theme(ctx: &Context) -> Theme {
-    if ctx.global_style().visuals.dark_mode { Theme::DARK } else { Theme::LIGHT }
-}
 
 impl Lab {
     /// The whole window.
     pub fn ui(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
+        self.name_window(&ctx);
         Panel::top("menu").show(ui, |ui| self.menu(ui));
         Panel::top("actions").show(ui, |ui| toolbar::actions(self, ui));
         Panel::bottom("foot").show(ui, |ui| self.foot(ui));
         Panel::left("scene").default_size(290.0).size_range(230.0..=480.0).show(ui, |ui| self.scene(ui));
-        Panel::bottom("errors").default_size(230.0).size_range(90.0..=700.0).resizable(true).show(ui, |ui| {
+        // A taller window has more to give to both, but glyphs need the most.
+        let errors = (ui.available_height() * 0.36).max(200.0);
+        Panel::bottom("errors").default_size(errors).size_range(90.0..=700.0).resizable(true).show(ui, |ui| {
             self.errors(ui);
         });
         Panel::bottom("timeline").show(ui, |ui| timeline::ui(self, ui));
@@ -87,10 +86,17 @@ impl Lab {
                 egui::widgets::global_theme_preference_buttons(ui);
             });
             ui.menu_button("Help", |ui| self.items(ui, &[Command::Keys]));
-            ui.separator();
-            let mark = if self.document.is_saved() { "" } else { " (edited)" };
-            ui.label(RichText::new(format!("{}{mark}", self.document.name())).weak());
         });
+    }
+
+    /// The window's title tells the document, and whether it is saved.
+    fn name_window(&mut self, ctx: &Context) {
+        let mark = if self.document.is_saved() { "" } else { " (edited)" };
+        let title = format!("{}{mark} – lpv-lab", self.document.name());
+        if self.window_title != title {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.window_title = title;
+        }
     }
 
     /// Menu lines with their keys.
@@ -105,8 +111,35 @@ impl Lab {
         }
     }
 
+    /// The presets to choose from, and the document's file.
+    fn presets(&mut self, ui: &mut Ui) {
+        let line = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+        // From the right, so that the list takes what the buttons leave.
+        ui.allocate_ui_with_layout(line, egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            toolbar::button(self, ui, Command::Save);
+            toolbar::button(self, ui, Command::Open);
+            let mark = if self.document.is_saved() { "" } else { " *" };
+            let text = format!("{}{mark}", self.document.name());
+            let list = egui::ComboBox::from_id_salt("presets").selected_text(text).width(ui.available_width()).truncate();
+            let mut chosen = None;
+            let list = list.show_ui(ui, |ui| {
+                for (name, _) in builtin::PRESETS {
+                    if ui.selectable_label(false, *name).clicked() {
+                        chosen = Some(Next::BuiltIn((*name).to_owned()));
+                    }
+                }
+            });
+            controls::name(&list.response.on_hover_text("The presets that the program brings along"), "Preset");
+            if let Some(next) = chosen {
+                self.ask_to_lose(next, ui.ctx());
+            }
+        });
+        ui.add_space(4.0);
+    }
+
     fn scene(&mut self, ui: &mut Ui) {
         ui.add_space(4.0);
+        self.presets(ui);
         self.stale_banner(ui);
         let around = Surroundings { axis: self.settings.view.axis(), placing: self.placing };
         if self.settings.view.stage == Stage::Compare {
@@ -235,7 +268,7 @@ impl Lab {
                 self.items(ui, &[Command::ExportCsv, Command::ExportSvg, Command::ExportPng, Command::CopyCurves]);
             });
         });
-        Panel::right("inspector").exact_size(250.0).resizable(false).show(ui, |ui| inspector::ui(self, ui, &theme));
+        Panel::right("inspector").exact_size(292.0).resizable(false).show(ui, |ui| inspector::ui(self, ui, &theme));
         let runs: Vec<&super::errors::Run> = self.runs.iter().chain(&self.kept).collect();
         self.settings.plots.ui(ui, &runs, &theme, seen);
     }
