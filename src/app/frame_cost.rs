@@ -47,6 +47,7 @@ pub fn measure(side: usize) -> Option<FrameCost> {
             .map(|_| {
                 if anew {
                     lab.grids.redraw();
+                    lab.scales = None;
                 }
                 let started = Instant::now();
                 frame(&ctx, &mut lab);

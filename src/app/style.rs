@@ -12,7 +12,8 @@ pub fn apply(ctx: &Context) {
             let visuals = &mut style.visuals;
             visuals.extreme_bg_color = color(theme.ground);
             // egui's own grey for labels is hard to read on its panels.
-            visuals.widgets.noninteractive.fg_stroke = Stroke::new(1.0, color(theme.ink).lerp_to_gamma(color(theme.muted), 0.5));
+            visuals.widgets.noninteractive.fg_stroke =
+                Stroke::new(1.0, color(theme.ink).lerp_to_gamma(color(theme.muted), 0.5));
             visuals.weak_text_color = Some(color(theme.muted));
         });
     }
