@@ -1,5 +1,7 @@
 //! Questions put to simulations.
 
+pub mod ballistic;
+pub mod compare;
 pub mod error;
 pub mod random;
 pub mod reference;
