@@ -15,10 +15,11 @@ const MOST_CELLS: usize = 12_000;
 
 /// Everything that `look` asks for. Tracks that are not there are left out.
 pub fn panes(tracks: &mut [Track], look: &Look) -> Vec<Shown> {
-    look.panes.iter().filter_map(|pane| cut(tracks, *pane, look.layer, look.plane)).collect()
+    look.panes.iter().filter_map(|pane| cut(tracks, *pane, look)).collect()
 }
 
-fn cut(tracks: &mut [Track], pane: Pane, layer: Layer, plane: Plane) -> Option<Shown> {
+fn cut(tracks: &mut [Track], pane: Pane, look: &Look) -> Option<Shown> {
+    let (layer, plane) = (look.layer, look.plane);
     let other = match pane.minus {
         None => None,
         Some(state) => Some(slice(tracks.get_mut(state.track)?.at(state.iteration)?, pane.light, layer, plane)),
@@ -32,7 +33,9 @@ fn cut(tracks: &mut [Track], pane: Pane, layer: Layer, plane: Plane) -> Option<S
         subtract(&mut slice, &other);
     }
     let errors = match pane.light {
-        Light::Accumulated if !difference => slice.cells.iter().map(|c| error(state, c.level, c.cell)).collect(),
+        Light::Accumulated if !difference => {
+            slice.cells.iter().map(|c| error(state, c.level, c.cell, look.uniform)).collect()
+        }
         _ => Vec::new(),
     };
     let plane = slice.plane;
@@ -89,12 +92,16 @@ fn mix(simulation: &Simulation<f32>, channel: impl Fn(usize) -> Sh<f32>) -> [Sh<
     simulation.channels().rgb().map(|share| channel(share.channel) * share.scale as f32)
 }
 
-/// How far an accumulated cell is from the mean of its children; level 0 has none.
-fn error(simulation: &Simulation<f32>, level: usize, cell: Cell) -> Option<CellError> {
+/// How far an accumulated cell is from the mean of its children, or of all finest cells in it, which is what a
+/// uniform volume holds there; level 0 has neither.
+fn error(simulation: &Simulation<f32>, level: usize, cell: Cell, uniform: bool) -> Option<CellError> {
     let finer = level.checked_sub(1)?;
     let accumulated = |channel: usize| &simulation.lights()[channel].accumulated;
     let is = mix(simulation, |channel| accumulated(channel).level(level).get(cell));
-    let ought = mix(simulation, |channel| mean_of_children(accumulated(channel).level(finer), cell));
+    let ought = mix(simulation, |channel| match uniform {
+        false => mean_of_children(accumulated(channel).level(finer), cell),
+        true => mean_within(accumulated(channel).level(0), level, cell),
+    });
     let norm = |light: [Sh<f32>; 3]| light.iter().fold(0.0, |m: f32, sh| m.max(sh.max_norm()));
     let absolute = norm(std::array::from_fn(|c| is[c] - ought[c]));
     let relative = match norm(is) {
@@ -103,6 +110,15 @@ fn error(simulation: &Simulation<f32>, level: usize, cell: Cell) -> Option<CellE
         _ => Some(0.0),
     };
     Some(CellError { absolute, relative })
+}
+
+/// The mean of all finest cells within a cell of `level`.
+fn mean_within(finest: &Grid<f32>, level: usize, cell: Cell) -> Sh<f32> {
+    let span = 1 << level;
+    let [x0, y0, z0] = cell.map(|c| c * span);
+    let inside = Layout::new(span).cells().map(|[x, y, z]| finest.get([x0 + x, y0 + y, z0 + z]).widen());
+    let sum: Sh<f64> = inside.sum();
+    (sum * (span as f64).powi(-3)).cast()
 }
 
 /// The lit cells of the view that `look` asks for, the strongest first.

@@ -78,6 +78,11 @@ impl Grids {
         self.cameras.fill(Camera::default());
     }
 
+    /// Forgets what was drawn.
+    pub fn redraw(&mut self) {
+        self.drawn.clear();
+    }
+
     /// Draws the views side by side in all the room there is. `marks` are finest cells to frame, and
     /// `titles` stand over the views.
     pub fn ui(

@@ -104,11 +104,13 @@ pub struct Look {
     pub layer: Layer,
     /// Where they cut.
     pub plane: Plane,
+    /// Whether cells' errors are against a uniform volume, in place of the mean of their children.
+    pub uniform: bool,
     /// The three-dimensional view, if it is open.
     pub cloud: Option<CloudAsk>,
 }
 
-/// How far a cell is from the mean of its children.
+/// How far a cell is from what it ought to be: the mean of its children, or of all finest cells in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CellError {
     /// ‖O − Ô‖∞.

@@ -172,7 +172,13 @@ mod tests {
     fn look(iteration: Option<usize>) -> Order {
         let state = State { track: 0, iteration };
         let pane = Pane { light: Light::Accumulated, state, minus: None };
-        Order::Look(Look { panes: vec![pane], layer: Layer::Merged, plane: Plane::default(), cloud: None })
+        Order::Look(Look {
+            panes: vec![pane],
+            layer: Layer::Merged,
+            plane: Plane::default(),
+            uniform: false,
+            cloud: None,
+        })
     }
 
     /// The first of the news that `pick` takes; waits for it.
