@@ -3,3 +3,4 @@
 pub mod error;
 pub mod random;
 pub mod stability;
+pub mod stress;
