@@ -1,10 +1,12 @@
 //! The headless commands, each a few lines over `study` and `report`.
 
 mod cells;
+mod compare;
 mod load;
 mod output;
 mod presets;
 mod run;
+mod schemes;
 mod stability;
 
 use std::path::PathBuf;
@@ -45,6 +47,10 @@ pub enum Command {
     Run(RunArgs),
     /// Print the light of every cell that is not dark, as CSV or .npy
     Cells(cells::CellsArgs),
+    /// Run presets under several schemes and compare what each makes of them
+    Compare(compare::CompareArgs),
+    /// List the propagation schemes with their gains and critical factors
+    Schemes(schemes::SchemesArgs),
     /// List the built-in presets, or write them to a folder
     Presets(presets::PresetsArgs),
     /// Gains and critical factors of every scheme and size; single precision against double in long runs
@@ -114,6 +120,8 @@ pub fn execute(command: Command) -> Result<(), CliError> {
     match command {
         Command::Run(args) => run::run(&args),
         Command::Cells(args) => cells::run(&args),
+        Command::Compare(args) => compare::run(&args),
+        Command::Schemes(args) => schemes::run(&args),
         Command::Presets(args) => presets::run(&args),
         Command::Stability(args) => stability::run(&args),
         Command::Completions { shell } => {

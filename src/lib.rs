@@ -15,6 +15,8 @@
 #![deny(unsafe_code)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used))]
 
+#[cfg(feature = "app")]
+pub mod app;
 pub mod cli;
 pub mod field;
 pub mod propagate;

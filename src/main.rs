@@ -45,9 +45,9 @@ fn open(preset: PathBuf) -> Result<(), CliError> {
 }
 
 /// Shows the window until it is closed; the reason if there can be none.
-#[cfg(any())]
+#[cfg(feature = "app")]
 fn window(path: &Path) -> Result<Option<String>, CliError> {
-    let (preset, _) = cli::open(path)?;
+    let preset = cli::open(path)?.preset;
     if cfg!(target_os = "linux") && ["DISPLAY", "WAYLAND_DISPLAY"].iter().all(|v| std::env::var_os(v).is_none()) {
         return Ok(Some("no display".to_owned()));
     }
@@ -55,7 +55,7 @@ fn window(path: &Path) -> Result<Option<String>, CliError> {
     Ok(lpv_lab::app::run(preset, file).err().map(|error| format!("no window ({error})")))
 }
 
-#[cfg(not(any()))]
+#[cfg(not(feature = "app"))]
 fn window(_: &Path) -> Result<Option<String>, CliError> {
     Ok(Some("built without the window".to_owned()))
 }

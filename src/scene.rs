@@ -21,11 +21,11 @@ mod syntax;
 
 use std::path::Path;
 
-use glam::DVec3;
-
 pub use error::SceneError;
 pub use occluder::Occlusion;
 pub use preset::{Preset, Propagation};
+
+pub use crate::propagate::geometry::Blocker;
 
 use crate::field::Cell;
 use crate::sh::Sh;
@@ -59,20 +59,6 @@ pub struct Source {
     pub color: [f64; 3],
     /// Cells, each once, with their light, the injector's multiplier applied.
     pub light: Vec<(Cell, Sh<f64>)>,
-}
-
-/// An occupied cell.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Blocker {
-    /// The cell.
-    pub cell: Cell,
-    /// The surface's unit normal. Zero where none was given and the surroundings have none, such as inside
-    /// a solid or in a wall one cell thick: [`Sh::lobe`] of it then blocks alike from all sides.
-    pub normal: DVec3,
-    /// How much of the cell is blocked, above 0 and up to 1.
-    pub opacity: f64,
-    /// The share of red, green and blue light that is sent back, each 0 to 1.
-    pub albedo: [f64; 3],
 }
 
 impl Scene {
@@ -148,6 +134,8 @@ fn take<T>(
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::injector::{Injector, InjectorKind, Side};
     use super::occluder::{Axis, Occluder, OccluderKind};
     use super::*;

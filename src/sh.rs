@@ -16,7 +16,7 @@
 use std::f64::consts::PI;
 use std::fmt::Debug;
 use std::iter::Sum;
-use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub};
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub};
 
 use glam::DVec3;
 
@@ -33,6 +33,7 @@ pub trait Real:
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>
+    + Div<Output = Self>
     + Neg<Output = Self>
     + AddAssign
     + MulAssign
@@ -148,6 +149,19 @@ impl<T: Real> Sh<T> {
     pub fn vector(self) -> DVec3 {
         let Sh([_, x, y, z]) = self;
         DVec3::new(x.to_f64(), y.to_f64(), z.to_f64())
+    }
+
+    /// The function mirrored on the plane across an axis (0 for x, 1 for y, 2 for z).
+    pub fn mirrored(self, axis: usize) -> Self {
+        let Sh(mut c) = self;
+        c[1 + axis] = -c[1 + axis];
+        Sh(c)
+    }
+
+    /// The function with every direction replaced by its opposite.
+    pub fn reversed(self) -> Self {
+        let Sh([c00, x, y, z]) = self;
+        Sh([c00, -x, -y, -z])
     }
 
     /// The same function in double precision.

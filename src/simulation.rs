@@ -6,15 +6,19 @@
 //! - *Clear* makes everything dark and sets the iteration to 0.
 //! - *Inject* adds the scene's light to level 0 of the source, and of the accumulated light where the
 //!   snapshots count the injection; it marks the index volume.
-//! - *Downsample* sets every coarser level of source and accumulated to the mean of its children.
+//! - *Downsample* sets every coarser level of source and accumulated to the mean of its children; with
+//!   consistent levels, to the light that it takes over one step later ([`levels`]).
 //! - *Propagate* takes every level one iteration further: source to target, target added to
 //!   accumulated, then source and target swap.
-//! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell.
+//! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell. A cell that hard
+//!   occluders let no light enter is sampled at level 0, where it holds what was injected there, if anything.
 //!
 //! A propagation that could take light out of the range of numbers is not done: the light stays as it
 //! was, and [`Simulation::divergence`] tells why.
 
 mod ceiling;
+mod descent;
+mod occlusion;
 
 use std::fmt;
 
@@ -22,10 +26,13 @@ use ceiling::Ceiling;
 pub use ceiling::{Divergence, limit};
 
 use crate::field::{Channels, Grid, IndexVolume, Levels, Octree, memory};
+use crate::propagate::kernel::occluded::{Occluders, Which};
 use crate::propagate::kernel::plain;
+use crate::propagate::levels::{self, Policy, TooLarge};
 use crate::propagate::scheme::{self, Scheme};
 use crate::propagate::stencil::Stencil;
 use crate::scene::Scene;
+use crate::scene::error::nearest;
 use crate::scene::preset::{Propagation, Snapshots};
 use crate::sh::Real;
 
@@ -76,13 +83,15 @@ pub struct Change {
 }
 
 /// A propagation setting that cannot be run.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SimulationError {
     /// No scheme of that name.
-    #[error("unknown scheme \"{name}\"; known schemes: {known}")]
+    #[error("unknown scheme \"{name}\"; {}known schemes: {known}", .nearest.map_or(String::new(), |n| format!("did you mean \"{n}\"? ")))]
     UnknownScheme {
         /// The name asked for.
         name: String,
+        /// The name that it may be meant to be.
+        nearest: Option<&'static str>,
         /// The names there are.
         known: String,
     },
@@ -94,6 +103,9 @@ pub enum SimulationError {
         /// The side of the coarsest level.
         coarsest: usize,
     },
+    /// A factor that is too large for the levels' policy.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
     /// More light than the machine has memory for.
     #[error(
         "a volume of side {size} needs {} of memory and {} are free; the largest size that fits is {largest}",
@@ -131,6 +143,10 @@ pub struct Simulation<T> {
     sizes: Levels,
     channels: Channels,
     stencils: Vec<Stencil<T>>,
+    /// What light that comes to rest on each level is multiplied with, by band.
+    residences: Vec<[f64; 2]>,
+    /// With the first iteration in which they act.
+    occluders: Option<(Occluders<T>, usize)>,
     lights: Vec<Light<T>>,
     index: IndexVolume,
     iteration: usize,
@@ -143,16 +159,30 @@ impl<T: Real> Simulation<T> {
     pub fn new(scene: Scene) -> Result<Self, SimulationError> {
         let sizes = Levels::new(scene.size, scene.coarsest)
             .ok_or(SimulationError::Sizes { size: scene.size, coarsest: scene.coarsest })?;
-        let stencils = stencils(&scene.propagation, sizes)?;
-        let colors: Vec<[f64; 3]> = scene.sources.iter().map(|source| source.color).collect();
-        let channels = Channels::of_colors(&colors);
+        let scheme = known_scheme(&scene.propagation.scheme)?;
+        let (stencils, residences) = operators(&scheme, &scene.propagation, sizes)?;
+        let channels = occlusion::channels(&scene);
         refuse_what_does_not_fit::<T>(sizes, channels.count())?;
+        let occluders = occlusion::occluders(&scene, sizes, &scheme);
         let ceiling = Ceiling::new(&stencils, scene.occlusion.bounce);
         let dark = || Octree::new(sizes);
         let light = || Light { source: dark(), target: dark(), accumulated: dark(), merged: None };
         let lights = (0..channels.count()).map(|_| light()).collect();
         let index = IndexVolume::new(sizes);
-        Ok(Simulation { scene, sizes, channels, stencils, lights, index, iteration: 0, ceiling, divergence: None })
+        let divergence = None;
+        Ok(Simulation {
+            scene,
+            sizes,
+            channels,
+            stencils,
+            residences,
+            occluders,
+            lights,
+            index,
+            iteration: 0,
+            ceiling,
+            divergence,
+        })
     }
 
     /// The scene that is simulated.
@@ -192,7 +222,11 @@ impl<T: Real> Simulation<T> {
 
     /// Takes other settings for the iterations to come; the light stays as it is.
     pub fn set_propagation(&mut self, propagation: Propagation) -> Result<(), SimulationError> {
-        self.stencils = stencils(&propagation, self.sizes)?;
+        let scheme = known_scheme(&propagation.scheme)?;
+        (self.stencils, self.residences) = operators(&scheme, &propagation, self.sizes)?;
+        if propagation.scheme != self.scene.propagation.scheme {
+            self.occluders = occlusion::occluders(&self.scene, self.sizes, &scheme);
+        }
         self.ceiling = Ceiling::new(&self.stencils, self.scene.occlusion.bounce);
         self.scene.propagation = propagation;
         Ok(())
@@ -301,9 +335,14 @@ impl<T: Real> Simulation<T> {
     }
 
     fn downsample(&mut self) {
+        if self.scene.propagation.levels == Policy::Consistent {
+            self.hand_down();
+        }
         for light in &mut self.lights {
-            light.source.downsample();
-            light.accumulated.downsample();
+            if self.scene.propagation.levels == Policy::Same {
+                light.source.downsample();
+                light.accumulated.downsample();
+            }
             for i in 1..self.sizes.count() {
                 self.index.level_mut(i).mark_lit(light.source.level(i));
                 self.index.level_mut(i).mark_lit(light.accumulated.level(i));
@@ -313,10 +352,11 @@ impl<T: Real> Simulation<T> {
 
     fn propagate(&mut self) {
         let keep_source = self.iteration == 0 && self.scene.propagation.snapshots == Snapshots::CopyFirst;
-        for light in &mut self.lights {
+        let occluders = acting(&self.occluders, self.iteration + 1);
+        for (colour, light) in self.lights.iter_mut().enumerate() {
             for (i, stencil) in self.stencils.iter().enumerate() {
                 let (source, target) = (light.source.level(i), light.target.level_mut(i));
-                plain::propagate(stencil, source, target);
+                step(occluders, stencil, Which { level: i, colour }, source, target);
                 if keep_source {
                     target.add_grid(source);
                 }
@@ -329,10 +369,40 @@ impl<T: Real> Simulation<T> {
     }
 
     fn merge(&mut self) {
-        for light in &mut self.lights {
-            let merged = light.merged.get_or_insert_with(|| Grid::new(self.sizes.finest()));
-            self.index.merge(&light.accumulated, merged);
+        for channel in 0..self.lights.len() {
+            let mut merged = self.lights[channel].merged.take().unwrap_or_else(|| Grid::new(self.sizes.finest()));
+            self.sample(channel, &mut merged);
+            self.lights[channel].merged = Some(merged);
         }
+    }
+
+    /// Sets `merged` to the sample S(x, y, z) of a channel's accumulated octree at every finest cell, as
+    /// merging does.
+    pub fn sample(&self, channel: usize, merged: &mut Grid<T>) {
+        let accumulated = &self.lights[channel].accumulated;
+        self.index.merge(accumulated, merged);
+        if let Some((Occluders::Hard(hard), _)) = &self.occluders {
+            hard.barrier.shut().for_each(|cell| merged.set(cell, accumulated.level(0).get(cell)));
+        }
+    }
+}
+
+/// The occluders that act in an iteration, counted from 1.
+fn acting<T>(occluders: &Option<(Occluders<T>, usize)>, iteration: usize) -> Option<&Occluders<T>> {
+    occluders.as_ref().filter(|(_, from)| iteration >= *from).map(|(occluders, _)| occluders)
+}
+
+/// One iteration of one level. Where albedos have colours each channel is one; where not, any colour will do.
+fn step<T: Real>(
+    occluders: Option<&Occluders<T>>,
+    stencil: &Stencil<T>,
+    which: Which,
+    source: &Grid<T>,
+    target: &mut Grid<T>,
+) {
+    match occluders {
+        Some(occluders) => occluders.propagate(stencil, which, source, target),
+        None => plain::propagate(stencil, source, target),
     }
 }
 
@@ -348,15 +418,22 @@ fn refuse_what_does_not_fit<T>(sizes: Levels, channels: usize) -> Result<(), Sim
     Err(SimulationError::Memory { size, needed: needed(size), free, largest })
 }
 
-/// The operator of every level.
-fn stencils<T: Real>(propagation: &Propagation, sizes: Levels) -> Result<Vec<Stencil<T>>, SimulationError> {
-    let scheme = known_scheme(&propagation.scheme)?;
-    let stencil = Stencil::new(&scheme, propagation.factor, propagation.clamp);
-    Ok(vec![stencil; sizes.count()])
+/// The stencil of every level, and its residence.
+fn operators<T: Real>(
+    scheme: &Scheme,
+    propagation: &Propagation,
+    sizes: Levels,
+) -> Result<(Vec<Stencil<T>>, Vec<[f64; 2]>), SimulationError> {
+    let Propagation { factor, clamp, levels, .. } = *propagation;
+    let operators = levels::operators(scheme, factor, clamp, levels, sizes.count())?;
+    Ok(operators.into_iter().map(|operator| (operator.stencil, operator.residence)).unzip())
 }
 
 /// The scheme of that name, or an error that names those there are.
 pub fn known_scheme(name: &str) -> Result<Scheme, SimulationError> {
-    scheme::find(name)
-        .ok_or_else(|| SimulationError::UnknownScheme { name: name.to_owned(), known: scheme::names().join(", ") })
+    scheme::find(name).ok_or_else(|| SimulationError::UnknownScheme {
+        name: name.to_owned(),
+        nearest: nearest(name, &scheme::names()),
+        known: scheme::names().join(", "),
+    })
 }

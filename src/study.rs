@@ -1,6 +1,9 @@
 //! Questions put to simulations.
 
+pub mod ballistic;
+pub mod compare;
 pub mod error;
 pub mod random;
+pub mod reference;
 pub mod stability;
 pub mod stress;

@@ -29,6 +29,13 @@ fn preset(n: usize, propagation: &str) -> String {
     )
 }
 
+/// The same among a wall of geometry cells at x = 9 that faces the light, occluded as the shader does it.
+fn occluded_preset(propagation: &str) -> String {
+    let wall = "occluders: [(kind: Plane(axis: X, at: 9), normal: (-1, 0, 0))],
+          occlusion: (mode: Fuzzy, amplifier: 0.8, sign: AlongTravel, from_iteration: 2)";
+    preset(16, propagation).replace("propagation:", &format!("{wall}, propagation:"))
+}
+
 /// Runs `cells` on the preset for k iterations and compares every cell, found or expected, with the file.
 fn assert_equal_to(golden: &str, preset: &str, k: usize) {
     let folder = tempfile::tempdir().unwrap();
@@ -72,5 +79,20 @@ fn it_equals_the_published_shader() {
         assert_equal_to("oracle_nvidia_llvmpipe_p1_pure", &pure, k);
         let copy_first = preset(16, "factor: 3.0, snapshots: CopyFirst");
         assert_equal_to("oracle_nvidia_llvmpipe_p3_copyfirst", &copy_first, k);
+    }
+}
+
+#[test]
+fn occluded_it_equals_the_published_shader() {
+    for k in [1, 2, 4] {
+        let occluded = occluded_preset("factor: 3.0, snapshots: WithoutInjected");
+        assert_equal_to("oracle_nvidia_llvmpipe_occ_p3", &occluded, k);
+    }
+}
+
+#[test]
+fn the_blog_scheme_equals_the_float64_program() {
+    for k in [1, 2, 4] {
+        assert_equal_to("oracle_ref64_seed003_blog_16c", &preset(16, "scheme: \"blog\", factor: 1.0"), k);
     }
 }

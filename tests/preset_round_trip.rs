@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
+use lpv_lab::propagate::levels::Policy;
 use lpv_lab::propagate::scheme;
 use lpv_lab::scene::cell_file::Column;
 use lpv_lab::scene::injector::{Injector, InjectorKind, Side};
@@ -75,8 +76,15 @@ fn occlusion() -> impl Strategy<Value = Occlusion> {
 fn propagation() -> impl Strategy<Value = Propagation> {
     let snapshots = select(&[Snapshots::Thesis, Snapshots::CopyFirst, Snapshots::WithoutInjected][..]);
     let scheme = select(scheme::names()).prop_map(str::to_owned);
-    (scheme, 0.0..10.0, 0..1_000_000usize, snapshots, any::<bool>()).prop_map(
-        |(scheme, factor, iterations, snapshots, clamp)| Propagation { scheme, factor, iterations, snapshots, clamp },
+    (scheme, 0.0..10.0, 0..1_000_000usize, snapshots, any::<bool>(), select(&Policy::ALL[..])).prop_map(
+        |(scheme, factor, iterations, snapshots, clamp, levels)| Propagation {
+            scheme,
+            factor,
+            iterations,
+            snapshots,
+            clamp,
+            levels,
+        },
     )
 }
 

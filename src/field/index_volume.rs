@@ -36,6 +36,11 @@ impl Marks {
     }
 
     /// The words of all rows, [`Self::words_per_row`] each, y faster than z; bit x % 64 of word x / 64 is cell x.
+    pub fn words(&self) -> &[u64] {
+        &self.words
+    }
+
+    /// [`Self::words`], to set more.
     pub fn words_mut(&mut self) -> &mut [u64] {
         &mut self.words
     }

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
+use crate::field::Cell;
 use crate::sh::Sh;
 
 /// The solid angle of a neighbour's far face, seen from the centre of the sending cell: 4·asin(1/10)
@@ -45,6 +46,18 @@ impl Direction {
     /// Whether it points towards larger indices.
     pub fn is_positive(self) -> bool {
         self.positive
+    }
+
+    /// The direction the other way.
+    pub fn opposite(self) -> Self {
+        Direction { positive: !self.positive, ..self }
+    }
+
+    /// The neighbour of `cell` in this direction, if it lies in an n³ grid.
+    pub fn neighbour(self, mut cell: Cell, n: usize) -> Option<Cell> {
+        let c = &mut cell[self.axis];
+        *c = if self.positive { *c + 1 } else { c.checked_sub(1)? };
+        (*c < n).then_some(cell)
     }
 
     /// As a unit vector.

@@ -17,10 +17,20 @@ pub struct Tap<T> {
     pub travel: Sh<T>,
 }
 
+impl<T: Real> Tap<T> {
+    /// The flux of the light `a` through this face.
+    #[inline]
+    pub fn flux(&self, a: Sh<T>) -> T {
+        let flux = self.sampler.dot(a);
+        if self.clamp { flux.max(T::ZERO) } else { flux }
+    }
+}
+
 /// A scheme at a factor: for each [`Direction`] the taps that carry light that way.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stencil<T> {
     taps: [Vec<Tap<T>>; 6],
+    factors: [T; 2],
 }
 
 impl<T: Real> Stencil<T> {
@@ -44,7 +54,7 @@ impl<T: Real> Stencil<T> {
             });
             turned.collect()
         });
-        Stencil { taps }
+        Stencil { taps, factors: [T::of(band0), T::of(band1)] }
     }
 
     /// The taps that carry light in each of [`Direction::ALL`].
@@ -52,14 +62,18 @@ impl<T: Real> Stencil<T> {
         &self.taps
     }
 
+    /// Multiplies what a scheme gives at factor 1 by the factor of each band.
+    pub fn scale(&self, Sh([c00, x, y, z]): Sh<T>) -> Sh<T> {
+        let [band0, band1] = self.factors;
+        Sh([c00 * band0, x * band1, y * band1, z * band1])
+    }
+
     /// What a neighbour in direction `d` (an index of [`Direction::ALL`]) receives of the light `a`.
     #[inline]
     pub fn send(&self, d: usize, a: Sh<T>) -> Sh<T> {
         let mut received = Sh::ZERO;
         for tap in &self.taps[d] {
-            let flux = tap.sampler.dot(a);
-            let flux = if tap.clamp { flux.max(T::ZERO) } else { flux };
-            received += tap.lobe * flux;
+            received += tap.lobe * tap.flux(a);
         }
         received
     }

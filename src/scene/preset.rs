@@ -13,6 +13,7 @@ use super::error::{Problem, SceneError, Step, nearest, quote};
 use super::injector::Injector;
 use super::occluder::{Occluder, Occlusion};
 use super::{file, place, syntax};
+use crate::propagate::levels::Policy;
 
 /// The version of the document that this library reads and writes.
 pub const VERSION: u32 = 1;
@@ -67,6 +68,8 @@ pub struct Propagation {
     pub snapshots: Snapshots,
     /// Whether negative flux counts as none; true. Off, every iteration is linear.
     pub clamp: bool,
+    /// How the operator follows from the level of the octree; `Same`.
+    pub levels: Policy,
 }
 
 /// What the accumulated grid sums, and what the first iteration sends on.
@@ -104,6 +107,7 @@ impl Default for Propagation {
             iterations: 16,
             snapshots: Snapshots::Thesis,
             clamp: true,
+            levels: Policy::Same,
         }
     }
 }

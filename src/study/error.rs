@@ -13,7 +13,7 @@
 
 use std::fmt;
 
-use crate::field::{Grid, mean_of_children};
+use crate::field::{Cell, Grid, downsample_into, mean_of_children};
 use crate::sh::{Real, Sh};
 use crate::simulation::Simulation;
 
@@ -21,14 +21,29 @@ use crate::simulation::Simulation;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Metric {
     /// Every level with the mean of its children in the next finer level of the same octree (000, 6.2).
+    /// It says how much the levels disagree, not which of them is right.
     Thesis,
+    /// Every level from 1 on with a uniform volume that was propagated on its own at the finest size, and
+    /// then downsampled (000, 7).
+    Corrected,
+    /// The merged light, S(x, y, z) for every finest cell, with that uniform volume (000, 6.2).
+    Merged,
+    /// The merged light that has moved, S_A − S_0, with the flux that truly enters each cell along straight
+    /// lines (MATH.md section 6).
+    Ballistic,
 }
 
 impl Metric {
+    /// All metrics.
+    pub const ALL: [Metric; 4] = [Metric::Thesis, Metric::Corrected, Metric::Merged, Metric::Ballistic];
+
     /// Its name in files and on screen.
     pub fn name(self) -> &'static str {
         match self {
             Metric::Thesis => "thesis",
+            Metric::Corrected => "corrected",
+            Metric::Merged => "merged",
+            Metric::Ballistic => "ballistic",
         }
     }
 }
@@ -136,15 +151,56 @@ pub fn thesis<T: Real>(simulation: &Simulation<T>) -> Vec<ErrorRow> {
     rows(simulation.iteration(), Metric::Thesis, &per_level)
 }
 
+/// The corrected metric on the accumulated light, rows as in [`thesis`]. `uniform` holds each channel's light
+/// in a uniform volume of the finest size, after the same iterations or after all
+/// ([`super::reference`] has both).
+pub fn corrected<T: Real>(simulation: &Simulation<T>, uniform: &[Grid<T>]) -> Vec<ErrorRow> {
+    let scales = channel_scales(simulation);
+    let mut expected: Vec<Grid<T>> = uniform.to_vec();
+    let mut per_level = Vec::new();
+    for i in 1..simulation.sizes().count() {
+        let side = simulation.sizes().side(i);
+        for grid in &mut expected {
+            let mut coarser = Grid::new(side);
+            downsample_into(grid, &mut coarser);
+            *grid = coarser;
+        }
+        per_level.push(tally(&scales, side, |channel, cell| {
+            (simulation.lights()[channel].accumulated.level(i).get(cell), expected[channel].get(cell))
+        }));
+    }
+    rows(simulation.iteration(), Metric::Corrected, &per_level)
+}
+
+/// The merged metric: the sample of the accumulated octree at every finest cell, merged or not yet, against
+/// a uniform volume as in [`corrected`].
+pub fn merged<T: Real>(simulation: &Simulation<T>, uniform: &[Grid<T>]) -> ErrorRow {
+    let sampled = sampled(simulation);
+    let tally = tally(&channel_scales(simulation), simulation.sizes().finest(), |channel, cell| {
+        (sampled[channel].get(cell), uniform[channel].get(cell))
+    });
+    tally.row(simulation.iteration(), Metric::Merged, None)
+}
+
+/// What merging would store now, for each channel.
+pub(super) fn sampled<T: Real>(simulation: &Simulation<T>) -> Vec<Grid<T>> {
+    let sample = |channel| {
+        let mut grid = Grid::new(simulation.sizes().finest());
+        simulation.sample(channel, &mut grid);
+        grid
+    };
+    (0..simulation.lights().len()).map(sample).collect()
+}
+
 /// The largest multiple of each channel among the three colours: what a channel's norm counts with.
-fn channel_scales<T: Real>(simulation: &Simulation<T>) -> Vec<f64> {
+pub(super) fn channel_scales<T: Real>(simulation: &Simulation<T>) -> Vec<f64> {
     let channels = simulation.channels();
     let scale = |c| channels.rgb().iter().filter(|s| s.channel == c).map(|s| s.scale).fold(0.0, f64::max);
     (0..channels.count()).map(scale).collect()
 }
 
 /// Compares every cell of an n³ grid; `pair` gives what was found and what was expected in a channel.
-fn tally<T: Real>(scales: &[f64], n: usize, pair: impl Fn(usize, [usize; 3]) -> (Sh<T>, Sh<T>)) -> Tally {
+pub(super) fn tally<T: Real>(scales: &[f64], n: usize, pair: impl Fn(usize, Cell) -> (Sh<T>, Sh<T>)) -> Tally {
     let mut tally = Tally::default();
     for cell in crate::field::Layout::new(n).cells() {
         let (mut difference, mut found, mut expected) = (0.0f64, 0.0f64, 0.0f64);
@@ -170,6 +226,8 @@ fn rows(iteration: usize, metric: Metric, per_level: &[Tally]) -> Vec<ErrorRow> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::{Occlusion, Propagation, Scene, Source};
+    use glam::DVec3;
 
     #[test]
     fn a_tally_counts_what_the_definitions_say() {
@@ -199,5 +257,25 @@ mod tests {
         joined.merge(&of(&cells[2..]));
         let row = |t: Tally| t.row(0, Metric::Thesis, None);
         assert_eq!(row(joined), row(of(&cells)));
+    }
+
+    #[test]
+    fn a_uniform_volume_has_no_error_by_any_metric() {
+        let source = Source { color: [1.0, 0.5, 0.0], light: vec![([3, 1, 2], Sh::lobe(DVec3::X))] };
+        let scene = Scene {
+            size: 4,
+            coarsest: 4,
+            sources: vec![source],
+            blockers: Vec::new(),
+            occlusion: Occlusion::default(),
+            propagation: Propagation { iterations: 3, ..Propagation::default() },
+        };
+        let mut simulation = Simulation::<f32>::new(scene).unwrap();
+        simulation.run(|_| true);
+        let uniform = super::super::reference::uniform(&simulation);
+        assert_eq!(corrected(&simulation, &uniform).len(), 1); // no level but the finest
+        assert_eq!(merged(&simulation, &uniform).absolute_max, 0.0);
+        let dark = vec![Grid::new(4)];
+        assert_eq!(merged(&simulation, &dark).l1_ratio, f64::INFINITY);
     }
 }

@@ -4,10 +4,12 @@
 
 use super::super::face::Direction;
 use super::super::stencil::Stencil;
+use super::settle;
 use crate::field::Grid;
 use crate::sh::{Real, Sh};
 
-/// Sets `target` to what all cells of `source` send to their neighbours. Outside the grid is dark.
+/// Sets `target` to what all cells of `source` send to their neighbours. Outside the grid is dark, and so
+/// is what is too faint to count ([`super::FLOOR`]).
 pub fn propagate<T: Real>(stencil: &Stencil<T>, source: &Grid<T>, target: &mut Grid<T>) {
     let layout = source.layout();
     let steps = layout.steps();
@@ -19,7 +21,7 @@ pub fn propagate<T: Real>(stencil: &Stencil<T>, source: &Grid<T>, target: &mut G
             let sender = if direction.is_positive() { here - step } else { here + step };
             received += stencil.send(d, source.at(sender));
         }
-        target.set(cell, received);
+        target.set(cell, settle(received));
     }
 }
 

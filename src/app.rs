@@ -1,0 +1,87 @@
+//! The window: step the propagation and watch it, put propagators side by side, take the error plots home.
+//!
+//! [`lab`] holds the state and obeys [`command`]s, [`layout`] draws it, and [`worker`] computes on a thread
+//! of its own, so that the window never waits for a volume.
+
+mod closing;
+mod command;
+mod compare;
+mod controls;
+mod cut;
+mod document;
+mod drops;
+mod errors;
+mod export;
+mod files;
+mod glyphs;
+mod grids;
+mod history;
+mod inspect;
+mod inspector;
+mod lab;
+mod layout;
+mod legend;
+mod look;
+mod mesh;
+mod settings;
+mod space;
+mod timeline;
+mod toolbar;
+mod track;
+mod view;
+mod worker;
+
+use std::path::PathBuf;
+
+pub use command::Command;
+pub use errors::Run;
+pub use lab::Lab;
+pub use look::{Cloud, Layer, Light, Shown};
+pub use settings::Settings;
+pub use view::{Heat, Scaling, Stage, View};
+
+use crate::scene::Preset;
+
+/// The name by which desktops know the window, and the folder where it keeps its settings.
+const APP_ID: &str = "lpv-lab";
+/// Where settings are kept among what eframe stores.
+const SETTINGS: &str = "settings";
+
+/// Opens the window on a preset, with its file if it has one, and comes back when it is closed. An error
+/// means that there was no window: no display, or no graphics.
+pub fn run(preset: Preset, path: Option<PathBuf>) -> Result<(), eframe::Error> {
+    let options = eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_app_id(APP_ID)
+            .with_title("lpv-lab")
+            .with_inner_size([1280.0, 720.0])
+            .with_min_inner_size([900.0, 560.0]),
+        ..Default::default()
+    };
+    eframe::run_native(
+        APP_ID,
+        options,
+        Box::new(move |creation| {
+            let stored = creation.storage.and_then(|storage| eframe::get_value(storage, SETTINGS));
+            let lab = Lab::new(&creation.egui_ctx, preset, path, stored.unwrap_or_default())?;
+            Ok(Box::new(Shell(lab)))
+        }),
+    )
+}
+
+/// What eframe drives.
+struct Shell(Lab);
+
+impl eframe::App for Shell {
+    fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        self.0.logic(ctx);
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        self.0.ui(ui);
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        eframe::set_value(storage, SETTINGS, self.0.settings());
+    }
+}

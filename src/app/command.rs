@@ -1,0 +1,261 @@
+//! Everything that can be done by a button, a menu or a key: one list that feeds all three, their
+//! tooltips, the keyboard reference and the tests.
+
+use egui::{Key, KeyboardShortcut, Modifiers};
+
+/// Something that the window can be told to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Command {
+    /// Choose a preset file.
+    Open,
+    /// Write the preset to its file.
+    Save,
+    /// Write the preset to another file.
+    SaveAs,
+    /// Close the window.
+    Quit,
+    /// Take the last edit back.
+    Undo,
+    /// Do it again.
+    Redo,
+    /// Make everything dark and take over the edited scene.
+    Clear,
+    /// Add the scene's light to the finest level.
+    Inject,
+    /// Fill the coarser levels.
+    Downsample,
+    /// One iteration.
+    Propagate,
+    /// Sample the accumulated octree for every finest cell.
+    Merge,
+    /// The whole algorithm.
+    RunAll,
+    /// Run the edited scene as far as the present run has come.
+    Rerun,
+    /// Propagate at a steady pace.
+    Play,
+    /// End what is being computed.
+    Stop,
+    /// Show the iteration before.
+    Back,
+    /// Show the iteration after.
+    Forward,
+    /// Show the first iteration.
+    First,
+    /// Show the present.
+    Last,
+    /// Go on from the iteration that is shown.
+    Restart,
+    /// Cut one cell further down the axis.
+    SliceDown,
+    /// Cut one cell further up the axis.
+    SliceUp,
+    /// Cut across the next axis.
+    NextAxis,
+    /// A finer level.
+    Finer,
+    /// A coarser level.
+    Coarser,
+    /// The merged light, or back to a level.
+    Merged,
+    /// Zoom and pan back to the whole slice.
+    WholeSlice,
+    /// Source, target and accumulated light.
+    Grids,
+    /// Several propagators side by side.
+    Compare,
+    /// The three-dimensional view.
+    Space,
+    /// Keep the error curves of this run beside those to come.
+    KeepRun,
+    /// Save the curves as CSV.
+    ExportCsv,
+    /// Save the plots as SVG.
+    ExportSvg,
+    /// Save the plots as PNG.
+    ExportPng,
+    /// Save what the grids show as SVG.
+    ExportGrids,
+    /// Put the curves on the clipboard, as a table.
+    CopyCurves,
+    /// The list of all keys.
+    Keys,
+}
+
+impl Command {
+    /// All of them, in the order of the keyboard reference.
+    pub const ALL: [Command; 37] = [
+        Command::Open,
+        Command::Save,
+        Command::SaveAs,
+        Command::Quit,
+        Command::Undo,
+        Command::Redo,
+        Command::Clear,
+        Command::Inject,
+        Command::Downsample,
+        Command::Propagate,
+        Command::Merge,
+        Command::RunAll,
+        Command::Rerun,
+        Command::Play,
+        Command::Stop,
+        Command::Back,
+        Command::Forward,
+        Command::First,
+        Command::Last,
+        Command::Restart,
+        Command::SliceDown,
+        Command::SliceUp,
+        Command::NextAxis,
+        Command::Finer,
+        Command::Coarser,
+        Command::Merged,
+        Command::WholeSlice,
+        Command::Grids,
+        Command::Compare,
+        Command::Space,
+        Command::KeepRun,
+        Command::ExportCsv,
+        Command::ExportSvg,
+        Command::ExportPng,
+        Command::ExportGrids,
+        Command::CopyCurves,
+        Command::Keys,
+    ];
+
+    /// Its name on buttons and in menus; "…" where more is asked before anything happens.
+    pub fn name(self) -> &'static str {
+        self.words().0
+    }
+
+    /// A sentence that says what it does.
+    pub fn explanation(self) -> &'static str {
+        self.words().1
+    }
+
+    fn words(self) -> (&'static str, &'static str) {
+        match self {
+            Command::Open => ("Open…", "Open a preset file"),
+            Command::Save => ("Save", "Save the preset to its file"),
+            Command::SaveAs => ("Save as…", "Save the preset to another file"),
+            Command::Quit => ("Quit", "Close the window"),
+            Command::Undo => ("Undo", "Take the last edit back"),
+            Command::Redo => ("Redo", "Do the last undone edit again"),
+            Command::Clear => ("Clear", "Make everything dark, and take over the scene as edited"),
+            Command::Inject => ("Inject", "Add the injectors' light to the finest level"),
+            Command::Downsample => ("Downsample", "Fill every coarser level with the mean of the finer one"),
+            Command::Propagate => ("Propagate", "One iteration on every level"),
+            Command::Merge => ("Merge", "Sample the accumulated octree for every finest cell"),
+            Command::RunAll => ("Run all", "Clear, inject, downsample, propagate as often as set, and merge"),
+            Command::Rerun => ("Run again", "Run the scene as edited, as far as this run has come"),
+            Command::Play => ("Play", "Propagate at a steady pace, or pause"),
+            Command::Stop => ("Stop", "End the run after the iteration in progress"),
+            Command::Back => ("Iteration before", "Show the iteration before this one"),
+            Command::Forward => ("Iteration after", "Show the iteration after this one"),
+            Command::First => ("First iteration", "Show the first iteration that is remembered"),
+            Command::Last => ("Latest iteration", "Show the latest iteration, and follow it"),
+            Command::Restart => ("Go on from here", "Forget the iterations after the one shown, and go on from it"),
+            Command::SliceDown => ("Slice down", "Cut one cell nearer to the origin"),
+            Command::SliceUp => ("Slice up", "Cut one cell farther from the origin"),
+            Command::NextAxis => ("Next axis", "Cut across the next axis"),
+            Command::Finer => ("Finer level", "Show the next finer level"),
+            Command::Coarser => ("Coarser level", "Show the next coarser level"),
+            Command::Merged => ("Merged levels", "Show the merged levels, or level 0"),
+            Command::WholeSlice => ("Whole slice", "Zoom and pan back to the whole slice"),
+            Command::Grids => ("Grids", "Source, target and accumulated light side by side"),
+            Command::Compare => ("Compare", "Propagators or iterations side by side, with their difference"),
+            Command::Space => ("3D", "The light in space: drag to orbit, scroll to zoom"),
+            Command::KeepRun => ("Keep curves", "Keep this run's error curves beside those of runs to come"),
+            Command::ExportCsv => ("Curves as CSV…", "Save the error curves as a table"),
+            Command::ExportSvg => ("Plots as SVG…", "Save the error plots as a vector picture"),
+            Command::ExportPng => ("Plots as PNG…", "Save the error plots as a picture"),
+            Command::ExportGrids => ("Grids as SVG or PNG…", "Save the slices that are shown as a picture"),
+            Command::CopyCurves => ("Copy curves", "Put the error curves on the clipboard, as a table"),
+            Command::Keys => ("Keyboard reference", "All keys"),
+        }
+    }
+
+    /// Its key, if it has one.
+    pub fn shortcut(self) -> Option<KeyboardShortcut> {
+        let plain = |key| Some(KeyboardShortcut::new(Modifiers::NONE, key));
+        let with_control = |key| Some(KeyboardShortcut::new(Modifiers::COMMAND, key));
+        let with_both = |key| Some(KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key));
+        match self {
+            Command::Open => with_control(Key::O),
+            Command::Save => with_control(Key::S),
+            Command::SaveAs => with_both(Key::S),
+            Command::Quit => with_control(Key::Q),
+            Command::Undo => with_control(Key::Z),
+            Command::Redo => with_both(Key::Z),
+            Command::Clear => plain(Key::C),
+            Command::Inject => plain(Key::I),
+            Command::Downsample => plain(Key::D),
+            Command::Propagate => plain(Key::Space),
+            Command::Merge => plain(Key::M),
+            Command::RunAll => plain(Key::R),
+            Command::Rerun => plain(Key::F5),
+            Command::Play => plain(Key::P),
+            Command::Stop => plain(Key::Escape),
+            Command::Back => plain(Key::ArrowLeft),
+            Command::Forward => plain(Key::ArrowRight),
+            Command::First => plain(Key::Home),
+            Command::Last => plain(Key::End),
+            Command::Restart => plain(Key::G),
+            Command::SliceDown => plain(Key::PageDown),
+            Command::SliceUp => plain(Key::PageUp),
+            Command::NextAxis => plain(Key::A),
+            Command::Finer => plain(Key::Minus),
+            Command::Coarser => plain(Key::Plus),
+            Command::Merged => plain(Key::L),
+            Command::WholeSlice => plain(Key::W),
+            Command::Grids => plain(Key::F2),
+            Command::Compare => plain(Key::F3),
+            Command::Space => plain(Key::F4),
+            Command::KeepRun => plain(Key::K),
+            Command::ExportCsv => with_control(Key::E),
+            Command::Keys => plain(Key::F1),
+            Command::ExportSvg | Command::ExportPng | Command::ExportGrids | Command::CopyCurves => None,
+        }
+    }
+
+    /// What the pointer is told about it: what it does, and its key.
+    pub fn tooltip(self, ctx: &egui::Context) -> String {
+        match self.shortcut() {
+            Some(shortcut) => format!("{} ({})", self.explanation(), ctx.format_shortcut(&shortcut)),
+            None => self.explanation().to_owned(),
+        }
+    }
+}
+
+/// The commands whose keys were pressed. Keys that mean something to a text field are left to it.
+pub fn pressed(ctx: &egui::Context) -> Vec<Command> {
+    let typing = ctx.egui_wants_keyboard_input();
+    // The longer shortcut first: Ctrl+Shift+S would be taken for Ctrl+S.
+    let mut commands: Vec<(Command, KeyboardShortcut)> =
+        Command::ALL.iter().filter_map(|command| Some((*command, command.shortcut()?))).collect();
+    commands.sort_by_key(|(_, shortcut)| !shortcut.modifiers.shift);
+    let free = commands.into_iter().filter(|(_, shortcut)| !typing || !shortcut.conflicts_with_text_editing());
+    free.filter(|(_, shortcut)| ctx.input_mut(|input| input.consume_shortcut(shortcut))).map(|(c, _)| c).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn names_and_keys_are_distinct() {
+        let names: HashSet<&str> = Command::ALL.iter().map(|command| command.name()).collect();
+        assert_eq!(names.len(), Command::ALL.len());
+        let keys: Vec<KeyboardShortcut> = Command::ALL.iter().filter_map(|command| command.shortcut()).collect();
+        assert_eq!(keys.iter().collect::<HashSet<_>>().len(), keys.len());
+    }
+
+    #[test]
+    fn every_command_is_explained() {
+        for command in Command::ALL {
+            assert!(command.explanation().len() > 5 && command.explanation() != command.name(), "{command:?}");
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! The thread that computes, and the window's end of it.
+//!
+//! One long-lived thread owns the simulations. Orders go to it and news come back through channels. Loading
+//! a scene starts a new generation: orders and news of older ones are dropped, so that the newest request
+//! wins and no stale answer is shown. A run is a chain of single iterations with a look at the orders after
+//! each, so that it can be watched and stopped; when the window goes, the thread ends by itself. A panic in
+//! here is caught and told, and the window lives on.
+
+mod desk;
+
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use super::look::{Cloud, Look, Pin, PinSample, Shown};
+use crate::scene::{Preset, Propagation};
+use crate::simulation::{Action, Change};
+use crate::study::error::ErrorRow;
+
+/// What a newly loaded scene is to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// Stay dark.
+    Dark,
+    /// Inject, downsample and go on to this iteration; merge at the end if asked to.
+    To {
+        /// The iteration.
+        iteration: usize,
+        /// Whether to merge then.
+        merge: bool,
+    },
+}
+
+/// A scene to load, and the propagators to run it through.
+#[derive(Clone, Debug)]
+pub struct Load {
+    /// The document.
+    pub preset: Preset,
+    /// The folder that its paths are relative to.
+    pub folder: PathBuf,
+    /// Other propagators to compare with its own.
+    pub others: Vec<Propagation>,
+    /// What to do at once.
+    pub start: Start,
+}
+
+/// What the window asks for.
+#[derive(Clone, Debug)]
+pub enum Order {
+    /// Take a new scene.
+    Load(Box<Load>),
+    /// Do one action with every propagator.
+    Act(Action),
+    /// End the run after the iteration that is being computed.
+    Stop,
+    /// Go back to this iteration and forget what came after.
+    Restart(usize),
+    /// Show this from now on.
+    Look(Look),
+    /// Follow this cell.
+    Pin(Option<Pin>),
+    /// Use this much memory, in bytes, for the past.
+    Budget(usize),
+}
+
+/// How far the worker is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Progress {
+    /// The present iteration.
+    pub iteration: usize,
+    /// The oldest iteration that can still be shown.
+    pub oldest: usize,
+    /// Where a run ends, while there is one.
+    pub until: Option<usize>,
+    /// Cells, over all levels, that have received light.
+    pub lit: usize,
+    /// Cells over all levels.
+    pub cells: usize,
+    /// Levels of the octree.
+    pub levels: usize,
+    /// Finest cells along a side.
+    pub side: usize,
+    /// Bytes that the present takes.
+    pub now_bytes: usize,
+    /// Bytes that the past takes.
+    pub past_bytes: usize,
+    /// Whether the accumulated light has been merged since it changed.
+    pub merged: bool,
+    /// On each axis, the slab of cells with the most injected light.
+    pub brightest: [usize; 3],
+    /// How long the last action took, in seconds.
+    pub seconds: f64,
+}
+
+/// What the worker tells.
+#[derive(Clone, Debug)]
+pub enum News {
+    /// An action is done. `errors` holds the rows of the present iteration for each propagator; rows of it
+    /// and later ones that were told before no longer hold.
+    Done {
+        /// What changed, if an action did it.
+        change: Option<Change>,
+        /// How far the worker is.
+        progress: Progress,
+        /// The errors of the present iteration.
+        errors: Vec<Vec<ErrorRow>>,
+    },
+    /// What is to be seen, as it is.
+    Shown {
+        /// What was asked for.
+        look: Look,
+        /// The flat views.
+        panes: Vec<Shown>,
+        /// The three-dimensional view.
+        cloud: Option<Cloud>,
+    },
+    /// What the pinned cell has held so far, iteration by iteration.
+    Pinned(Pin, Vec<PinSample>),
+    /// The scene or an action failed; one line that says why and what would be right.
+    Failed(String),
+}
+
+/// The window's end of the worker.
+#[derive(Debug)]
+pub struct Worker {
+    orders: Sender<(u64, Order)>,
+    news: Receiver<(u64, News)>,
+    generation: u64,
+}
+
+impl Worker {
+    /// Starts the thread; `wake` is called after each of its news.
+    pub fn start(budget: usize, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
+        let (orders, inbox) = channel();
+        let (outbox, news) = channel();
+        std::thread::Builder::new().name("worker".to_owned()).spawn(move || {
+            desk::Desk::new(inbox, outbox, Box::new(wake), budget).work();
+        })?;
+        Ok(Worker { orders, news, generation: 0 })
+    }
+
+    /// Hands an order over.
+    pub fn order(&mut self, order: Order) {
+        if matches!(order, Order::Load(_)) {
+            self.generation += 1;
+        }
+        // The thread catches its panics, so it outlives this end of the channel.
+        let _ = self.orders.send((self.generation, order));
+    }
+
+    /// What has come in and still counts.
+    pub fn news(&self) -> impl Iterator<Item = News> {
+        let newest = self.generation;
+        self.news.try_iter().filter(move |(generation, _)| *generation == newest).map(|(_, news)| news)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+    use std::time::Duration;
+
+    use super::*;
+    use crate::app::look::{Layer, Light, Pane, State};
+    use crate::report::slice::Plane;
+
+    fn load(size: usize, start: Start) -> Order {
+        let text = format!("(version: 1, size: {size}, injectors: [(kind: Single(cell: (0, 1, 2)))])");
+        let preset = Preset::parse(&text, Path::new("test")).unwrap();
+        Order::Load(Box::new(Load { preset, folder: PathBuf::new(), others: Vec::new(), start }))
+    }
+
+    fn look(iteration: Option<usize>) -> Order {
+        let state = State { track: 0, iteration };
+        let pane = Pane { light: Light::Accumulated, state, minus: None };
+        Order::Look(Look { panes: vec![pane], layer: Layer::Merged, plane: Plane::default(), cloud: None })
+    }
+
+    /// The first of the news that `pick` takes; waits for it.
+    fn wait<T>(worker: &Worker, pick: impl Fn(&News) -> Option<T>) -> T {
+        for _ in 0..2000 {
+            if let Some(found) = worker.news().find_map(|news| pick(&news)) {
+                return found;
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        panic!("no such news");
+    }
+
+    #[test]
+    fn a_run_reaches_its_end_and_tells_every_iteration_once() {
+        let mut worker = Worker::start(1 << 20, || ()).unwrap();
+        worker.order(load(8, Start::To { iteration: 5, merge: true }));
+        let mut told = Vec::new();
+        loop {
+            let (change, progress) = wait(&worker, |news| match news {
+                News::Done { change, progress, .. } => Some((*change, *progress)),
+                _ => None,
+            });
+            if change.is_some_and(|change| change.action == Action::Propagate) {
+                told.push(progress.iteration);
+            }
+            if progress.until.is_none() {
+                assert!(progress.merged);
+                break;
+            }
+        }
+        assert_eq!(told, [1, 2, 3, 4, 5]);
+    }
+
+    #[test]
+    fn news_of_an_older_scene_are_dropped() {
+        let mut worker = Worker::start(1 << 20, || ()).unwrap();
+        for size in [4, 8, 4, 8, 16] {
+            worker.order(load(size, Start::To { iteration: 30, merge: false }));
+        }
+        loop {
+            let progress = wait(&worker, |news| match news {
+                News::Done { progress, .. } => Some(*progress),
+                _ => None,
+            });
+            assert_eq!(progress.side, 16);
+            if progress.until.is_none() && progress.iteration == 30 {
+                break;
+            }
+        }
+    }
+
+    #[test]
+    fn any_iteration_can_be_seen_again() {
+        let mut worker = Worker::start(1 << 16, || ()).unwrap();
+        worker.order(load(8, Start::To { iteration: 9, merge: false }));
+        for k in [3, 7, 0] {
+            worker.order(look(Some(k)));
+            let shown = wait(&worker, |news| match news {
+                News::Shown { look, panes, .. } if look.panes[0].state.iteration == Some(k) => Some(panes[0].iteration),
+                _ => None,
+            });
+            assert!(shown == k || shown < 9, "asked for {k}, got {shown}");
+        }
+    }
+
+    #[test]
+    fn a_scene_that_cannot_be_is_told_in_one_line_and_the_next_one_works() {
+        let mut worker = Worker::start(1 << 20, || ()).unwrap();
+        let mut preset = Preset::default();
+        preset.propagation.scheme = "no such".to_owned();
+        let others = Vec::new();
+        worker.order(Order::Load(Box::new(Load { preset, folder: PathBuf::new(), others, start: Start::Dark })));
+        let line = wait(&worker, |news| match news {
+            News::Failed(line) => Some(line.clone()),
+            _ => None,
+        });
+        assert!(line.contains("no such") && line.contains("cascaded") && !line.contains('\n'), "{line}");
+        worker.order(load(4, Start::Dark));
+        wait(&worker, |news| matches!(news, News::Done { .. }).then_some(()));
+    }
+}

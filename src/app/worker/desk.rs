@@ -1,0 +1,274 @@
+//! The worker's own end: the tracks, the run in progress and the orders as they come in.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::mpsc::{Receiver, RecvError, Sender, TryRecvError};
+use std::time::{Duration, Instant};
+
+use super::{Load, News, Order, Progress, Start};
+use crate::app::cut;
+use crate::app::look::{Look, Pin};
+use crate::app::track::Track;
+use crate::scene::Scene;
+use crate::simulation::{Action, Change};
+
+/// The least time between two pictures of a run in progress.
+const BETWEEN_PICTURES: Duration = Duration::from_millis(30);
+
+/// A run in progress.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    until: usize,
+    merge: bool,
+}
+
+/// Where the worker works.
+pub struct Desk {
+    inbox: Receiver<(u64, Order)>,
+    outbox: Sender<(u64, News)>,
+    wake: Box<dyn Fn() + Send>,
+    generation: u64,
+    tracks: Vec<Track>,
+    run: Option<Run>,
+    look: Option<Look>,
+    pin: Option<Pin>,
+    budget: usize,
+    merged: bool,
+    brightest: [usize; 3],
+    seconds: f64,
+    pictured: Option<Instant>,
+}
+
+impl Desk {
+    /// An empty desk with `budget` bytes for the past.
+    pub fn new(
+        inbox: Receiver<(u64, Order)>,
+        outbox: Sender<(u64, News)>,
+        wake: Box<dyn Fn() + Send>,
+        budget: usize,
+    ) -> Self {
+        Desk {
+            inbox,
+            outbox,
+            wake,
+            generation: 0,
+            tracks: Vec::new(),
+            run: None,
+            look: None,
+            pin: None,
+            budget,
+            merged: false,
+            brightest: [0; 3],
+            seconds: 0.0,
+            pictured: None,
+        }
+    }
+
+    /// Works until the window is gone.
+    pub fn work(mut self) {
+        while let Ok(orders) = self.wait() {
+            if catch_unwind(AssertUnwindSafe(|| self.turn(orders))).is_err() {
+                // What the panic left half done is not to be shown.
+                self.tracks.clear();
+                self.run = None;
+                self.tell(News::Failed("the computation broke down; edit the scene or run it again".to_owned()));
+            }
+        }
+    }
+
+    /// The orders that are to be followed now; none while a run has nothing in its way.
+    fn wait(&self) -> Result<Vec<(u64, Order)>, RecvError> {
+        let mut orders = Vec::new();
+        if self.run.is_none() {
+            orders.push(self.inbox.recv()?);
+        }
+        loop {
+            match self.inbox.try_recv() {
+                Ok(order) => orders.push(order),
+                Err(TryRecvError::Empty) => break,
+                Err(TryRecvError::Disconnected) => return Err(RecvError),
+            }
+        }
+        Ok(newest(orders))
+    }
+
+    fn turn(&mut self, orders: Vec<(u64, Order)>) {
+        for (generation, order) in orders {
+            self.generation = generation;
+            self.follow(order);
+        }
+        let Some(run) = self.run else { return };
+        if self.iteration() < run.until {
+            self.act(Action::Propagate);
+        }
+        if self.iteration() >= run.until {
+            self.run = None;
+            if run.merge {
+                self.act(Action::Merge);
+            } else {
+                self.tell_progress(None);
+            }
+            self.picture(false);
+        } else {
+            self.picture(true);
+        }
+    }
+
+    fn follow(&mut self, order: Order) {
+        match order {
+            Order::Load(load) => self.load(&load),
+            Order::Act(action) => {
+                self.run = None;
+                self.act(action);
+                self.picture(false);
+            }
+            Order::Stop => {
+                self.run = None;
+                self.tell_progress(None);
+                self.picture(false);
+            }
+            Order::Restart(k) => {
+                self.run = None;
+                let back = self.tracks.iter_mut().all(|track| track.restart(k));
+                if !back {
+                    self.tell(News::Failed(format!("iteration {k} is no longer remembered; run the scene again")));
+                }
+                self.merged = false;
+                self.tell_progress(None);
+                self.picture(false);
+            }
+            Order::Look(look) => {
+                self.look = Some(look);
+                self.picture(false);
+            }
+            Order::Pin(pin) => {
+                self.pin = pin;
+                self.tell_pin();
+            }
+            Order::Budget(bytes) => {
+                self.budget = bytes;
+                let each = bytes / self.tracks.len().max(1);
+                self.tracks.iter_mut().for_each(|track| track.set_budget(each));
+                self.tell_progress(None);
+                self.picture(false);
+            }
+        }
+    }
+
+    fn load(&mut self, load: &Load) {
+        self.tracks.clear();
+        self.run = None;
+        self.merged = false;
+        match self.tracks_of(load) {
+            Ok(tracks) => self.tracks = tracks,
+            Err(line) => return self.tell(News::Failed(line)),
+        }
+        self.brightest = std::array::from_fn(|axis| self.tracks[0].now().scene().brightest_slab(axis));
+        match load.start {
+            Start::Dark => self.tell_progress(None),
+            Start::To { iteration, merge } => {
+                self.run = Some(Run { until: iteration, merge });
+                self.act(Action::Inject);
+                self.act(Action::Downsample);
+            }
+        }
+        self.picture(false);
+    }
+
+    fn tracks_of(&self, load: &Load) -> Result<Vec<Track>, String> {
+        let scene = Scene::build(&load.preset, &load.folder).map_err(|error| error.to_string())?;
+        let budget = self.budget / (1 + load.others.len());
+        let others = load.others.iter().map(|other| Scene { propagation: other.clone(), ..scene.clone() });
+        let mut tracks = Vec::new();
+        for scene in std::iter::once(scene.clone()).chain(others) {
+            tracks.push(Track::new(scene, budget).map_err(|error| error.to_string())?);
+        }
+        Ok(tracks)
+    }
+
+    fn iteration(&self) -> usize {
+        self.tracks.first().map_or(0, |track| track.now().iteration())
+    }
+
+    fn act(&mut self, action: Action) {
+        let started = Instant::now();
+        let mut first = None;
+        for track in &mut self.tracks {
+            first = first.or(Some(track.act(action)));
+        }
+        self.seconds = started.elapsed().as_secs_f64();
+        let Some(change) = first else { return };
+        self.merged = action == Action::Merge || (self.merged && !change.accumulated);
+        self.tell_progress(Some(change));
+    }
+
+    fn tell_progress(&mut self, change: Option<Change>) {
+        let Some(track) = self.tracks.first() else { return };
+        let sizes = track.now().sizes();
+        let index = track.now().index();
+        let progress = Progress {
+            iteration: track.now().iteration(),
+            oldest: self.tracks.iter().map(Track::oldest).max().unwrap_or(0),
+            until: self.run.map(|run| run.until),
+            lit: (0..sizes.count()).map(|i| index.level(i).count()).sum(),
+            cells: sizes.cells(),
+            levels: sizes.count(),
+            side: sizes.finest(),
+            now_bytes: self.tracks.iter().map(Track::now_bytes).sum(),
+            past_bytes: self.tracks.iter().map(Track::past_bytes).sum(),
+            merged: self.merged,
+            brightest: self.brightest,
+            seconds: self.seconds,
+        };
+        let errors = match progress.lit {
+            0 => vec![Vec::new(); self.tracks.len()],
+            _ => self.tracks.iter().map(Track::errors).collect(),
+        };
+        self.tell(News::Done { change, progress, errors });
+    }
+
+    /// Sends what is to be seen; a run in progress does not send more pictures than can be watched.
+    fn picture(&mut self, in_passing: bool) {
+        if in_passing && self.pictured.is_some_and(|last| last.elapsed() < BETWEEN_PICTURES) {
+            return;
+        }
+        self.tell_pin();
+        let Some(look) = self.look.clone() else { return };
+        let panes = cut::panes(&mut self.tracks, &look);
+        let cloud = cut::cloud(&mut self.tracks, &look);
+        self.pictured = Some(Instant::now());
+        self.tell(News::Shown { look, panes, cloud });
+    }
+
+    fn tell_pin(&mut self) {
+        let (Some(pin), Some(track)) = (self.pin, self.tracks.first()) else { return };
+        let samples = track.states().filter_map(|state| cut::sample(state, pin)).collect();
+        self.tell(News::Pinned(pin, samples));
+    }
+
+    fn tell(&self, news: News) {
+        // Without a window there is nobody to tell; the next wait ends the work.
+        let _ = self.outbox.send((self.generation, news));
+        (self.wake)();
+    }
+}
+
+/// Drops the orders that newer ones make pointless: all that came before a new scene but what is to be seen,
+/// and all but the last look.
+fn newest(mut orders: Vec<(u64, Order)>) -> Vec<(u64, Order)> {
+    if let Some(load) = orders.iter().rposition(|(_, order)| matches!(order, Order::Load(_))) {
+        let outlasts = |order: &Order| matches!(order, Order::Look(_) | Order::Pin(_) | Order::Budget(_));
+        let mut at = 0;
+        orders.retain(|(_, order)| {
+            at += 1;
+            at > load || outlasts(order)
+        });
+    }
+    let looks = |orders: &[(u64, Order)]| orders.iter().filter(|(_, order)| matches!(order, Order::Look(_))).count();
+    let mut older = looks(&orders).saturating_sub(1);
+    orders.retain(|(_, order)| {
+        let superseded = matches!(order, Order::Look(_)) && older > 0;
+        older -= usize::from(superseded);
+        !superseded
+    });
+    orders
+}

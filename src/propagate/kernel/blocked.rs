@@ -1,0 +1,134 @@
+//! Several iterations in one pass over memory, for grids that the cache does not hold.
+//!
+//! Iteration t + 1 of slab z needs iteration t of slabs z − 1 to z + 1 only. So a wave runs through the
+//! slabs: at its s-th place slab s − t is taken through iteration t, for t = 0, 1, …, and all of that
+//! lies in the cache. Source and target take turns, as when stepping: when iteration t + 1 overwrites
+//! what iteration t read, nobody needs it any more.
+//!
+//! Threads: every thread has a run of slabs. First each does what its own slabs suffice for, one slab
+//! less on either inner side with each iteration; then the wedges that are left between two runs are
+//! filled in. Every slab of every iteration is computed once, from the same numbers as when stepping.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::carve::{Planes, Tied, cut_spans, runs};
+use super::slab::advance;
+use super::{Level, Order, Tally};
+use crate::field::Layout;
+use crate::propagate::active::{Span, Spans};
+use crate::sh::Real;
+
+/// Memory that the slabs under the wave may take, in bytes, all threads together.
+const CACHE: usize = 12 << 20;
+
+/// The most iterations in one pass; more would gain nothing.
+const MOST: usize = 16;
+
+/// How many iterations of an n³ level should share a pass; 1 where stepping is as good.
+pub fn depth<T: Real>(layout: Layout, threads: usize) -> usize {
+    let (n, threads) = (layout.side(), threads.max(1));
+    // Three grids: source, target and sum.
+    let slab = 3 * 4 * layout.steps()[2] * size_of::<T>();
+    let fits = (CACHE / (slab * threads)).saturating_sub(2).min(MOST);
+    if n * slab <= CACHE || fits < 2 { 1 } else { fits }
+}
+
+/// Takes the level `iterations` further. The newest light is then in the source if that number is even,
+/// in the target if it is odd; the other one holds the light before it. Where `need` is given, cells
+/// outside its t-th entry may be left out in iteration t.
+pub fn advance_many<T: Real>(
+    order: &Order<T>,
+    level: &mut Level<'_, T>,
+    iterations: usize,
+    threads: usize,
+    need: Option<&[&Spans]>,
+) -> Tally {
+    let (layout, n) = (level.source.layout(), level.source.side());
+    // A run must be wide enough that the wedges on its two sides do not meet.
+    let threads = threads.clamp(1, (n / (2 * iterations + 2)).max(1));
+    let inner: Vec<usize> = (1..threads).map(|i| i * n / threads).collect();
+    let reach = iterations + 1;
+    let pass = Pass { order, layout, iterations, need };
+
+    let ends: Vec<usize> = inner.iter().copied().chain([n]).collect();
+    let shrinking = |slabs: &Range<usize>, t: usize| {
+        let from = if slabs.start == 0 { 0 } else { slabs.start + t + 1 };
+        from..if slabs.end == n { n } else { slabs.end - t - 1 }
+    };
+    let first = pass.over(level, &ends, |_| true, shrinking);
+
+    // The wedges: the slabs within `reach` of each inner end, with what lies between left alone.
+    let ends: Vec<usize> = inner.iter().flat_map(|b| [b - reach, b + reach]).chain([n]).collect();
+    let growing = |slabs: &Range<usize>, t: usize| {
+        let middle = slabs.start + reach;
+        middle - t - 1..middle + t + 1
+    };
+    let second = if inner.is_empty() { Tally::NONE } else { pass.over(level, &ends, |run| run % 2 == 1, growing) };
+    first.and(second)
+}
+
+/// What all parts of a pass have in common.
+struct Pass<'a, T> {
+    order: &'a Order<T>,
+    layout: Layout,
+    iterations: usize,
+    need: Option<&'a [&'a Spans]>,
+}
+
+/// A run of slabs with all that is written in it: source and target, then sum and marks.
+struct Part<'a, T> {
+    slabs: Range<usize>,
+    light: [Planes<'a, T>; 2],
+    spans: [&'a mut [Span]; 2],
+    tied: Tied<'a, T>,
+}
+
+impl<T: Real> Pass<'_, T> {
+    /// Cuts the level at `ends` and sends a wave through the slabs of each run that is `wanted`, over
+    /// those that `range` gives for iteration t.
+    fn over(
+        &self,
+        level: &mut Level<'_, T>,
+        ends: &[usize],
+        wanted: impl Fn(usize) -> bool,
+        range: impl Fn(&Range<usize>, usize) -> Range<usize> + Sync,
+    ) -> Tally {
+        let light = Planes::cut(level.source, ends).into_iter().zip(Planes::cut(level.target, ends));
+        let spans = cut_spans(level.source_spans, ends).into_iter().zip(cut_spans(level.target_spans, ends));
+        let tied = Tied::cut(level.sum.as_deref_mut(), level.marks, self.layout.side(), ends);
+        let parts = runs(ends).zip(light).zip(spans.zip(tied)).enumerate().filter(|(run, _)| wanted(*run));
+        let parts: Vec<Part<'_, T>> = parts
+            .map(|(_, ((slabs, (a, b)), ((c, d), tied)))| Part { slabs, light: [a, b], spans: [c, d], tied })
+            .collect();
+        let run = |mut part: Part<'_, T>| self.wave(&mut part, &range);
+        let tallies: Vec<Tally> = match parts.len() {
+            1 => parts.into_iter().map(run).collect(),
+            _ => parts.into_par_iter().map(run).collect(),
+        };
+        tallies.into_iter().fold(Tally::NONE, Tally::and)
+    }
+
+    fn wave(&self, part: &mut Part<'_, T>, range: &impl Fn(&Range<usize>, usize) -> Range<usize>) -> Tally {
+        let n = self.layout.side();
+        let mut tally = Tally::NONE;
+        for front in part.slabs.start..part.slabs.end + self.iterations {
+            for t in 0..self.iterations.min(front + 1) {
+                let z = front - t;
+                if !range(&part.slabs, t).contains(&z) {
+                    continue;
+                }
+                let [a, b] = &mut part.light;
+                let [a_spans, b_spans] = &mut part.spans;
+                let (from, from_spans, to, to_spans) =
+                    if t % 2 == 0 { (a, a_spans, b, b_spans) } else { (b, b_spans, a, a_spans) };
+                let need = self.need.map(|need| &need[t].rows()[z * n..(z + 1) * n]);
+                let local = z - part.slabs.start;
+                let mut target = part.tied.target(self.layout, local, to, to_spans);
+                tally = tally.and(advance(self.order, self.layout, from.source(from_spans), local, &mut target, need));
+            }
+        }
+        tally
+    }
+}

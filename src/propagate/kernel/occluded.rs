@@ -1,0 +1,251 @@
+//! One iteration among occluders, line by line as MATH.md section 9 has it, in either precision.
+//!
+//! Like [`super::plain`] this is a definition: it gathers, cell by cell, what the six neighbours send.
+
+use crate::field::{Cell, Grid};
+use crate::propagate::barrier::Barrier;
+use crate::propagate::face::Direction;
+use crate::propagate::geometry::Geometry;
+use crate::propagate::stencil::Stencil;
+use crate::sh::{Real, Sh};
+
+/// What NVIDIA's sample multiplies its reflected light by.
+const REFLECTION: f64 = 4.8;
+
+/// The occluders of a scene, and what they do to light.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Occluders<T> {
+    /// Blockers weaken light, and reflect some of it.
+    Fuzzy(Fuzzy<T>),
+    /// Occupied cells mirror light.
+    Mirrored(Mirrored<T>),
+    /// Occupied cells pass nothing.
+    Hard(Hard<T>),
+}
+
+/// Blockers half a cell off the light weaken the flux through every face and reflect some of it (000, 6.2;
+/// NVIDIA's sample).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fuzzy<T> {
+    /// The blockers.
+    pub geometry: Geometry<T>,
+    /// What a blocker's value is multiplied by before it is limited to 0..1.
+    pub amplifier: T,
+    /// Whether blockers are evaluated along the light's travel, as NVIDIA does, or against it.
+    pub along_travel: bool,
+    /// What reflected light is multiplied by.
+    pub bounce: T,
+}
+
+/// Light that enters an occupied cell is mirrored on the axis along which it came, times opacity and albedo,
+/// and goes on from there (001, 4.2).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mirrored<T> {
+    /// The occupied cells.
+    pub geometry: Geometry<T>,
+}
+
+/// An occupied cell passes nothing. What would have entered it is mirrored back to the cell it came from,
+/// times albedo and bounce, and otherwise absorbed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hard<T> {
+    /// What passes.
+    pub barrier: Barrier<T>,
+    /// The albedos.
+    pub geometry: Geometry<T>,
+    /// What reflected light is multiplied by.
+    pub bounce: T,
+}
+
+/// Which light is propagated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Which {
+    /// The level, 0 the finest.
+    pub level: usize,
+    /// The colour whose albedo counts: 0 red, 1 green, 2 blue.
+    pub colour: usize,
+}
+
+impl<T: Real> Occluders<T> {
+    /// Sets `target` to what all cells of `source` send to their neighbours, as far as occluders let it.
+    /// Outside the grid is dark.
+    pub fn propagate(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, target: &mut Grid<T>) {
+        for cell in source.layout().cells() {
+            let receive = |d| match self {
+                Occluders::Fuzzy(fuzzy) => fuzzy.receive(stencil, which, source, cell, d),
+                Occluders::Mirrored(mirrored) => mirrored.receive(stencil, which, source, cell, d),
+                Occluders::Hard(hard) => hard.receive(stencil, which, source, cell, d),
+            };
+            target.set(cell, (0..Direction::ALL.len()).map(receive).sum());
+        }
+    }
+}
+
+/// The light of the neighbour from which light in direction `d` enters `cell`; none outside the grid.
+fn sender<T: Real>(source: &Grid<T>, cell: Cell, d: Direction) -> Sh<T> {
+    d.opposite().neighbour(cell, source.side()).map_or(Sh::ZERO, |sender| source.get(sender))
+}
+
+impl<T: Real> Fuzzy<T> {
+    fn receive(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, cell: Cell, d: usize) -> Sh<T> {
+        let direction = Direction::ALL[d];
+        let light = sender(source, cell, direction);
+        let near = self.mean(cell, direction.opposite(), |at| self.geometry.lobe(which.level, at));
+        let near = if self.along_travel { near } else { near.reversed() };
+        let far = self.mean(cell, direction, |at| self.geometry.lobe(which.level, at));
+        let facing = far.eval(direction.opposite().vector()).max(T::ZERO);
+        let mut reflected = T::ZERO;
+        let mut received = Sh::ZERO;
+        for tap in &stencil.taps()[d] {
+            let blocked = (self.amplifier * near.dot(tap.travel)).max(T::ZERO);
+            let flux = tap.flux(light) * (T::of(1.0) - blocked).max(T::ZERO);
+            received += tap.lobe * flux;
+            reflected += facing * flux * T::of(REFLECTION);
+        }
+        if reflected == T::ZERO || self.bounce == T::ZERO {
+            return received;
+        }
+        let albedo = |at| Sh([self.geometry.albedo(which.level, at, which.colour), T::ZERO, T::ZERO, T::ZERO]);
+        let Sh([albedo, ..]) = self.mean(cell, direction, albedo);
+        received + stencil.scale(far * (reflected * albedo * self.bounce))
+    }
+
+    /// The mean of what the four corners of `cell` on the side of `side` hold. Corner g is shared by the
+    /// cells g and g + (1, 1, 1); corners outside the grid count as empty.
+    fn mean(&self, [x, y, z]: Cell, side: Direction, value: impl Fn(Cell) -> Sh<T>) -> Sh<T> {
+        let corners = (0..8).map(|bits| [bits & 1, bits >> 1 & 1, bits >> 2]);
+        let on_side = corners.filter(|low| (low[side.axis()] == 0) == side.is_positive());
+        let sum: Sh<T> = on_side
+            .filter(|low| x >= low[0] && y >= low[1] && z >= low[2])
+            .map(|low| value([x - low[0], y - low[1], z - low[2]]))
+            .sum();
+        sum * T::of(0.25)
+    }
+}
+
+impl<T: Real> Mirrored<T> {
+    fn receive(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, cell: Cell, d: usize) -> Sh<T> {
+        let direction = Direction::ALL[d];
+        let sent = stencil.send(d, sender(source, cell, direction));
+        let occupied = self.geometry.opacity(which.level, cell);
+        let reflected = occupied * self.geometry.albedo(which.level, cell, which.colour);
+        sent * (T::of(1.0) - occupied) + sent.mirrored(direction.axis()) * reflected
+    }
+}
+
+impl<T: Real> Hard<T> {
+    /// Besides what `cell` receives in direction `d`, what the neighbour in that direction sends back to it.
+    fn receive(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, cell: Cell, d: usize) -> Sh<T> {
+        let direction = Direction::ALL[d];
+        let passes = |cell| self.barrier.passes(which.level, cell, direction.axis());
+        let mut received = stencil.send(d, sender(source, cell, direction));
+        if let Some(next) = direction.neighbour(cell, source.side()) {
+            let albedo = self.geometry.albedo(which.level, next, which.colour);
+            let reflected = (T::of(1.0) - passes(next)) * albedo * self.bounce;
+            if reflected > T::ZERO {
+                received += stencil.send(d, source.get(cell)).mirrored(direction.axis()) * reflected;
+            }
+        }
+        received * passes(cell)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::Levels;
+    use crate::propagate::face::{far_solid_angle, side_solid_angle};
+    use crate::propagate::geometry::Blocker;
+    use crate::propagate::{cascaded, reflective};
+    use crate::sh::SPHERE;
+    use glam::DVec3;
+
+    const RED: Which = Which { level: 0, colour: 0 };
+    const N: usize = 8;
+
+    /// A wall at x = 4 that faces −X, for red light of albedo 0.5.
+    fn wall(opacity: f64) -> Vec<Blocker> {
+        let cells = Grid::<f64>::new(N).layout().cells().filter(|cell| cell[0] == 4);
+        let block = |cell| Blocker { cell, normal: DVec3::NEG_X, opacity, albedo: [0.5, 0.0, 1.0] };
+        cells.map(block).collect()
+    }
+
+    fn geometry(blockers: &[Blocker]) -> Geometry<f64> {
+        Geometry::new(Levels::new(N, 1).unwrap(), blockers)
+    }
+
+    /// What one iteration makes of a unit lobe towards +X in cell (3, 4, 4).
+    fn step(occluders: &Occluders<f64>, stencil: &Stencil<f64>) -> Grid<f64> {
+        let (mut source, mut target) = (Grid::new(N), Grid::new(N));
+        source.set([3, 4, 4], Sh::lobe(DVec3::X));
+        occluders.propagate(stencil, RED, &source, &mut target);
+        target
+    }
+
+    /// The flux of a unit lobe straight ahead and through the four sides, by the formulas of MATH.md section 2.
+    fn flux_ahead() -> (f64, f64) {
+        let value = |cosine: f64| 0.25 + 0.5 * cosine;
+        (value(1.0) * far_solid_angle() / SPHERE, 4.0 * value(2.0 / 5f64.sqrt()) * side_solid_angle() / SPHERE)
+    }
+
+    #[test]
+    fn the_bounce_is_the_documented_multiple_of_the_flux_about_the_walls_normal() {
+        let stencil = Stencil::new(&cascaded::scheme(), 3.0, true);
+        let fuzzy = |bounce| {
+            Occluders::Fuzzy(Fuzzy { geometry: geometry(&wall(1.0)), amplifier: 0.8, along_travel: false, bounce })
+        };
+        // The far corners of cell (4, 4, 4) hold the wall: G = L(−X), facing the light with G · Y(−X) = 3/4.
+        // Nothing lies on the near side, so nothing is occluded.
+        let reflected = step(&fuzzy(0.6), &stencil).get([4, 4, 4]) - step(&fuzzy(0.0), &stencil).get([4, 4, 4]);
+        let (far, sides) = flux_ahead();
+        let expected = Sh::lobe(DVec3::NEG_X) * (3.0 * 0.75 * (far + sides) * 4.8 * 0.5 * 0.6);
+        assert!((reflected - expected).max_norm() < 1e-14, "{reflected:?}, {expected:?}");
+        assert_eq!(step(&fuzzy(0.6), &stencil).get([3, 5, 4]), step(&fuzzy(0.0), &stencil).get([3, 5, 4]));
+    }
+
+    #[test]
+    fn a_walls_front_blocks_against_travel_and_not_along_it() {
+        let stencil = Stencil::new(&cascaded::scheme(), 1.0, true);
+        // Light that enters cell (5, 4, 4) from (4, 4, 4) passes between them, where the wall is.
+        let passed = |along_travel| {
+            let fuzzy =
+                Occluders::Fuzzy(Fuzzy { geometry: geometry(&wall(1.0)), amplifier: 0.8, along_travel, bounce: 0.0 });
+            let (mut source, mut target) = (Grid::new(N), Grid::new(N));
+            source.set([4, 4, 4], Sh::lobe(DVec3::X));
+            fuzzy.propagate(&stencil, RED, &source, &mut target);
+            target.get([5, 4, 4]).0[0] / Sh::<f64>::lobe(DVec3::X).0[0]
+        };
+        let (far, sides) = flux_ahead();
+        let blocked = |cosine: f64| 1.0 - (0.8 * (0.25 + 0.5 * cosine)).max(0.0);
+        let expected = far * blocked(1.0) + sides * blocked(2.0 / 5f64.sqrt());
+        assert!((passed(false) - expected).abs() < 1e-14);
+        // Evaluated along travel, a lobe that faces the light is below zero in each of the five directions.
+        assert!((passed(true) - (far + sides)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_mirror_turns_the_axis_of_travel_and_keeps_opacity_times_albedo() {
+        let stencil = Stencil::new(&reflective::scheme(), 1.0, true);
+        let mirrored = step(&Occluders::Mirrored(Mirrored { geometry: geometry(&wall(0.8)) }), &stencil);
+        let free = step(&Occluders::Mirrored(Mirrored { geometry: geometry(&[]) }), &stencil);
+        let Sh([c00, x, ..]) = free.get([4, 4, 4]);
+        let expected = Sh([c00 * (0.2 + 0.4), x * (0.2 - 0.4), 0.0, 0.0]);
+        assert!((mirrored.get([4, 4, 4]) - expected).max_norm() < 1e-15);
+        assert_eq!(mirrored.get([3, 5, 4]), free.get([3, 5, 4]));
+    }
+
+    #[test]
+    fn a_hard_wall_sends_back_what_would_have_entered_and_passes_nothing() {
+        let stencil = Stencil::new(&reflective::scheme(), 1.0, true);
+        let sizes = Levels::new(N, 1).unwrap();
+        let hard = |bounce| {
+            let barrier = Barrier::new(sizes, &wall(1.0), [[3, 4, 4]]);
+            step(&Occluders::Hard(Hard { barrier, geometry: geometry(&wall(1.0)), bounce }), &stencil)
+        };
+        let free = step(&Occluders::Mirrored(Mirrored { geometry: geometry(&[]) }), &stencil);
+        assert!(hard(1.0).get([4, 4, 4]).is_zero());
+        let Sh([c00, x, ..]) = free.get([4, 4, 4]);
+        assert!((hard(0.6).get([3, 4, 4]) - Sh([0.3 * c00, -0.3 * x, 0.0, 0.0])).max_norm() < 1e-15);
+        assert!(hard(0.0).get([3, 4, 4]).is_zero());
+    }
+}

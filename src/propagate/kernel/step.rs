@@ -1,0 +1,64 @@
+//! One iteration of a level in one pass over memory.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::carve::{Planes, Tied, cut_spans, runs};
+use super::slab::{Source, advance};
+use super::{Level, Order, Tally};
+use crate::field::Grid;
+use crate::propagate::active::{Span, Spans};
+use crate::sh::Real;
+
+/// Fewer cells than these are not worth waking another thread: about a 32³ grid.
+const SERIAL_BELOW: usize = 40_000;
+
+/// Pieces of work a thread, so that one that was late does not keep the others waiting.
+const PIECES: usize = 4;
+
+/// In how many pieces an iteration that visits so many `cells` is best cut.
+pub fn pieces(threads: usize, cells: usize) -> usize {
+    if threads <= 1 || cells < SERIAL_BELOW { 1 } else { PIECES * threads }
+}
+
+/// Sets the target to what the source sends, adds it to the sum and marks where it is not dark. Where
+/// `need` is given, cells outside it may be left out. The result does not depend on the `pieces` that
+/// threads share.
+pub fn step<T: Real>(order: &Order<T>, level: &mut Level<'_, T>, pieces: usize, need: Option<&Spans>) -> Tally {
+    let layout = level.source.layout();
+    let n = layout.side();
+    let pieces = pieces.clamp(1, n);
+    let ends: Vec<usize> = (1..=pieces).map(|i| i * n / pieces).collect();
+
+    let source = whole(level.source, level.source_spans);
+    let light = Planes::cut(level.target, &ends);
+    let spans = cut_spans(level.target_spans, &ends);
+    let tied = Tied::cut(level.sum.as_deref_mut(), level.marks, n, &ends);
+    let parts = light.into_iter().zip(spans).zip(tied).map(|((light, spans), tied)| Part { light, spans, tied });
+    let work: Vec<(Range<usize>, Part<'_, T>)> = runs(&ends).zip(parts).collect();
+    let run = |(slabs, mut part): (Range<usize>, Part<'_, T>)| -> Vec<Tally> {
+        let one = |z: usize| {
+            let need = need.map(|need| &need.rows()[z * n..(z + 1) * n]);
+            let mut target = part.tied.target(layout, z - slabs.start, &mut part.light, part.spans);
+            advance(order, layout, source, z, &mut target, need)
+        };
+        slabs.clone().map(one).collect()
+    };
+    // A tally a slab, summed in order: so many threads, the same sum.
+    let tallies: Vec<Vec<Tally>> =
+        if pieces == 1 { work.into_iter().map(run).collect() } else { work.into_par_iter().map(run).collect() };
+    tallies.into_iter().flatten().fold(Tally::NONE, Tally::and)
+}
+
+/// What one piece of work writes.
+struct Part<'a, T> {
+    light: Planes<'a, T>,
+    spans: &'a mut [Span],
+    tied: Tied<'a, T>,
+}
+
+fn whole<'a, T: Real>(grid: &'a Grid<T>, spans: &'a Spans) -> Source<'a, T> {
+    let planes = grid.planes().each_ref().map(Vec::as_slice);
+    Source { planes, spans: spans.rows(), first: grid.layout().row_start(0, 0) }
+}

@@ -1,0 +1,36 @@
+//! Downsampling for levels that agree: every level takes its light over from the next finer one
+//! ([`crate::propagate::levels`]).
+
+use super::{Light, Simulation, acting, step};
+use crate::field::{Grid, downsample_into};
+use crate::propagate::kernel::occluded::Which;
+use crate::propagate::levels;
+use crate::scene::preset::Snapshots;
+use crate::sh::Real;
+
+impl<T: Real> Simulation<T> {
+    /// Sets source and accumulated of every level but the finest to what it takes over from the next finer
+    /// one, whose light takes one step first.
+    pub(super) fn hand_down(&mut self) {
+        // The first iteration of NVIDIA's sample adds its source once more, but by then that source has
+        // moved on; what has not moved is counted here.
+        let source_counts_twice = self.iteration == 0 && self.scene.propagation.snapshots == Snapshots::CopyFirst;
+        for (colour, Light { source, accumulated, .. }) in self.lights.iter_mut().enumerate() {
+            for i in 1..self.sizes.count() {
+                let mut moved = Grid::new(self.sizes.side(i - 1));
+                // Each level has gone a step further than the one before.
+                let occluders = acting(&self.occluders, self.iteration + i);
+                let which = Which { level: i - 1, colour };
+                step(occluders, &self.stencils[i - 1], which, source.level(i - 1), &mut moved);
+                levels::hand_down(self.residences[i - 1], self.residences[i], &moved, source.level_mut(i));
+
+                let mut rested = accumulated.level(i - 1).clone();
+                if source_counts_twice {
+                    rested.add_grid(source.level(i - 1));
+                }
+                downsample_into(&rested, accumulated.level_mut(i));
+                accumulated.level_mut(i).add_grid(source.level(i));
+            }
+        }
+    }
+}
