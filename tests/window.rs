@@ -3,8 +3,8 @@
 
 use std::path::Path;
 
-use egui_kittest::Harness;
 use egui::accesskit::Role;
+use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use lpv_lab::app::{Lab, Layer, Light, Settings};
 use lpv_lab::scene::Preset;
@@ -239,7 +239,10 @@ fn propagators_are_compared_and_their_difference_is_shown() {
     let [a, b, difference] = [0, 1, 2].map(|pane| red(lab, pane, [4, 5]));
     assert!(a > b && b > 0.0);
     assert!((difference - (b - a)).abs() < 1e-6);
-    assert_eq!(lab.curves().iter().map(|run| run.name.as_str()).collect::<Vec<_>>(), ["cascaded, p = 3", "cascaded, p = 2"]);
+    assert_eq!(
+        lab.curves().iter().map(|run| run.name.as_str()).collect::<Vec<_>>(),
+        ["cascaded, p = 3", "cascaded, p = 2"]
+    );
 }
 
 #[test]
@@ -332,7 +335,8 @@ fn the_light_is_shown_in_space() {
 
 #[test]
 fn a_run_is_stopped_and_the_window_is_not_held_up() {
-    let mut harness = window("(version: 1, size: 32, injectors: [(kind: Wall(side: NegX))], propagation: (iterations: 100000))");
+    let mut harness =
+        window("(version: 1, size: 32, injectors: [(kind: Wall(side: NegX))], propagation: (iterations: 100000))");
     harness.key_press(egui::Key::R);
     for _ in 0..200 {
         harness.step();

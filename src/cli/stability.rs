@@ -9,12 +9,14 @@ use indicatif::ProgressBar;
 
 use super::output::Folder;
 use super::{CliError, SceneArgs};
+use crate::propagate::levels::Policy;
 use crate::propagate::scheme;
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
 use crate::report::table::{Table, Value};
 use crate::scene::Scene;
 use crate::study::stability::drift::{DriftRow, LongRun};
+use crate::study::stability::level::critical_of_octree;
 use crate::study::stability::outlook;
 use crate::study::stability::{self, critical_without_borders, critical_without_clamps};
 use crate::study::stress::{self, Outcome};
@@ -142,15 +144,16 @@ fn print_outlook(scene: &Scene) {
 }
 
 /// Every scheme at every size, with the gains it has and the factors it bears.
-fn critical_factors(sizes: &[usize]) -> Table<7> {
+fn critical_factors(sizes: &[usize]) -> Table<8> {
     let mut table = Table::new([
         "scheme",
         "size",
         "mean_gain",
         "direction_gain",
         "critical",
-        "critical_without_clamps",
-        "critical_without_borders",
+        "consistent_levels",
+        "without_clamps",
+        "without_borders",
     ]);
     for scheme in scheme::all() {
         let found = stability::of_scheme(&scheme, sizes);
@@ -159,9 +162,9 @@ fn critical_factors(sizes: &[usize]) -> Table<7> {
             let linear = critical_without_clamps(&scheme, size);
             let gains = [found.mean_gain, found.direction_gain].map(Value::from);
             let [mean, direction] = gains;
-            let factors = [critical, linear, unbounded].map(Value::from);
-            let [critical, linear, unbounded] = factors;
-            table.push([scheme.name.into(), size.into(), mean, direction, critical, linear, unbounded]);
+            let consistent = critical_of_octree(&scheme, Policy::Consistent, size);
+            let [critical, consistent, linear, unbounded] = [critical, consistent, linear, unbounded].map(Value::from);
+            table.push([scheme.name.into(), size.into(), mean, direction, critical, consistent, linear, unbounded]);
         }
     }
     table

@@ -6,11 +6,12 @@ mod steps;
 use std::fmt;
 use std::path::Path;
 
+use crate::propagate::levels::operators;
 use crate::propagate::scheme::{self, Scheme};
 use crate::propagate::stencil::Stencil;
 use crate::scene::occluder::OcclusionMode;
-use crate::scene::{Preset, Scene};
-use crate::simulation::{Action, Simulation};
+use crate::scene::{Preset, Propagation, Scene};
+use crate::simulation::{Action, Simulation, SimulationError};
 
 /// A rule that no scene may break.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -116,8 +117,12 @@ impl Case {
         Ok(Case { scene, scheme, clamped, free })
     }
 
-    fn stencil(&self) -> Stencil<f64> {
-        Stencil::new(&self.scheme, self.scene.propagation.factor, self.scene.propagation.clamp)
+    /// The operator of every level.
+    fn stencils(&self) -> Result<Vec<Stencil<f64>>, SimulationError> {
+        let Propagation { factor, clamp, levels, .. } = self.scene.propagation;
+        let count = (self.scene.size / self.scene.coarsest).ilog2() as usize + 1;
+        let operators = operators(&self.scheme, factor, clamp, levels, count)?;
+        Ok(operators.into_iter().map(|operator| operator.stencil).collect())
     }
 
     /// The rules that apply.
@@ -143,20 +148,23 @@ impl Case {
 /// Holds a preset against every rule that applies to it.
 pub fn check(preset: &Preset) -> Report {
     let mut report = Report { iterations: 0, stopped: false, checked: vec![Invariant::Runs], broken: None };
-    let found = Case::new(preset).and_then(|case| {
-        let narrow = Simulation::<f32>::new(case.scene.clone()).map_err(|error| error.to_string())?;
-        let wide = Simulation::<f64>::new(case.scene.clone()).map_err(|error| error.to_string())?;
-        Ok((case, narrow, wide))
-    });
-    let (case, mut narrow, mut wide) = match found {
-        Ok(found) => found,
-        Err(how) => {
-            report.broken = Some(Broken { invariant: Invariant::Runs, how });
-            return report;
-        }
+    let runs = |how: String| Some(Broken { invariant: Invariant::Runs, how });
+    let case = match Case::new(preset) {
+        Ok(case) => case,
+        Err(how) => return Report { broken: runs(how), ..report },
+    };
+    let started = || {
+        let (narrow, wide) = (Simulation::new(case.scene.clone())?, Simulation::new(case.scene.clone())?);
+        Ok((narrow, wide, case.stencils()?))
+    };
+    let (mut narrow, mut wide, stencils) = match started() {
+        Ok(started) => started,
+        // Some factors have no operator on coarse levels; that is refused by name.
+        Err(SimulationError::TooLarge(_)) => return report,
+        Err(error) => return Report { broken: runs(error.to_string()), ..report },
     };
     report.checked = case.rules();
-    report.broken = step_through(&case, &report.checked, &mut narrow, &mut wide).err();
+    report.broken = step_through(&case, &stencils, &report.checked, &mut narrow, &mut wide).err();
     report.iterations = narrow.iteration();
     report.stopped = narrow.divergence().is_some();
     if report.broken.is_none() {
@@ -168,6 +176,7 @@ pub fn check(preset: &Preset) -> Report {
 /// Runs both precisions side by side and looks at every step.
 fn step_through(
     case: &Case,
+    stencils: &[Stencil<f64>],
     rules: &[Invariant],
     narrow: &mut Simulation<f32>,
     wide: &mut Simulation<f64>,
@@ -176,7 +185,7 @@ fn step_through(
         narrow.act(action);
         wide.act(action);
     }
-    let mut watch = steps::Watch::new(case, narrow);
+    let mut watch = steps::Watch::new(case, stencils, narrow);
     watch.check(rules, narrow, wide)?;
     for _ in 0..case.scene.propagation.iterations {
         narrow.act(Action::Propagate);

@@ -1,6 +1,7 @@
 //! Random presets: common ones and extreme ones, all of which a file could hold.
 
 use crate::field::Cell;
+use crate::propagate::levels::Policy;
 use crate::propagate::scheme;
 use crate::scene::Preset;
 use crate::scene::injector::{Injector, InjectorKind, Side};
@@ -49,6 +50,7 @@ fn propagation(random: &mut Random) -> Propagation {
         snapshots: [Snapshots::Thesis, Snapshots::Thesis, Snapshots::CopyFirst, Snapshots::WithoutInjected]
             [random.below(4)],
         clamp: !random.once_in(4),
+        levels: Policy::ALL[usize::from(random.once_in(3))],
     }
 }
 

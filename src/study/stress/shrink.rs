@@ -1,5 +1,6 @@
 //! A preset made smaller, step by step, as long as it still shows what it was chosen for.
 
+use crate::propagate::levels::Policy;
 use crate::scene::Preset;
 use crate::scene::injector::InjectorKind;
 use crate::scene::occluder::{OccluderKind, Occlusion};
@@ -37,6 +38,7 @@ fn smaller(preset: &Preset) -> Vec<Preset> {
     propose(&|p| p.coarsest = p.size);
     propose(&|p| p.occlusion = Occlusion { mode: p.occlusion.mode, ..Occlusion::default() });
     propose(&|p| p.propagation.snapshots = Snapshots::Thesis);
+    propose(&|p| p.propagation.levels = Policy::Same);
     propose(&|p| p.propagation.factor = p.propagation.factor.round());
     for i in 0..preset.injectors.len() {
         propose(&|p| p.injectors[i].color = [1.0; 3]);

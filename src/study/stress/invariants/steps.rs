@@ -24,16 +24,16 @@ pub struct Watch {
     energy: Vec<Vec<f64>>,
     /// The accumulated light of the last step.
     accumulated: Vec<Vec<Grid<f32>>>,
-    /// The most that an iteration multiplies energy by.
-    gain: f64,
-    /// What rounding may change energy by in an iteration.
-    rounding: f64,
+    /// The most that an iteration multiplies energy by, level by level.
+    gain: Vec<f64>,
+    /// What rounding may change energy by in an iteration, level by level.
+    rounding: Vec<f64>,
     copies_first: bool,
 }
 
 impl Watch {
     /// Before the first iteration.
-    pub fn new(case: &Case, simulation: &Simulation<f32>) -> Self {
+    pub fn new(case: &Case, stencils: &[Stencil<f64>], simulation: &Simulation<f32>) -> Self {
         let lights = simulation.lights();
         let levels = 0..simulation.sizes().count();
         let lit = |i: usize| {
@@ -44,8 +44,8 @@ impl Watch {
             possible: levels.map(lit).collect(),
             energy: Vec::new(),
             accumulated: Vec::new(),
-            gain: greatest_gain(&case.stencil()),
-            rounding: rounding(&case.stencil()),
+            gain: stencils.iter().map(greatest_gain).collect(),
+            rounding: stencils.iter().map(rounding).collect(),
             copies_first: case.scene.propagation.snapshots == Snapshots::CopyFirst,
         }
     }
@@ -89,14 +89,15 @@ impl Watch {
                 }
                 let energy = source.energy();
                 let before = self.energy.get(channel).map(|energies| energies[level]);
-                let gain = self.gain + if self.copies_first && k == 1 { 1.0 } else { 0.0 };
+                let gain = self.gain[level] + if self.copies_first && k == 1 { 1.0 } else { 0.0 };
                 let tiny = f64::from(f32::MIN_POSITIVE) * gain.max(1.0) * energy_cells(source);
                 let too_much = |before: f64| energy > gain * before * (1.0 + SLACK) + tiny;
                 if rules.contains(&Invariant::Energy) && before.is_some_and(too_much) {
                     return broken(Invariant::Energy, format!("{before:?} became {energy}, gain at most {gain}"));
                 }
                 let expected = wide.lights()[channel].source.level(level).energy();
-                let bound = (k + 2) as f64 * self.rounding * expected;
+                // Consistent levels begin a step further for every level they are handed down.
+                let bound = (k + level + 2) as f64 * self.rounding[level] * expected;
                 if rules.contains(&Invariant::Precision) && expected > FAINT && (energy - expected).abs() > bound {
                     return broken(Invariant::Precision, format!("{energy} is not {expected} within {bound}"));
                 }
