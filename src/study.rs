@@ -6,3 +6,4 @@ pub mod error;
 pub mod random;
 pub mod reference;
 pub mod stability;
+pub mod stress;
