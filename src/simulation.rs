@@ -13,8 +13,11 @@
 //! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell. A cell that hard
 //!   occluders let no light enter is sampled at level 0, where it holds what was injected there, if anything.
 
+mod advance;
 mod descent;
+mod engine;
 mod occlusion;
+pub mod options;
 
 use std::fmt;
 
@@ -27,6 +30,9 @@ use crate::propagate::stencil::Stencil;
 use crate::scene::Scene;
 use crate::scene::preset::{Propagation, Snapshots};
 use crate::sh::Real;
+
+use engine::Engine;
+use options::Options;
 
 /// What the stepper can be told to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -125,22 +131,29 @@ pub struct Simulation<T> {
     lights: Vec<Light<T>>,
     index: IndexVolume,
     iteration: usize,
+    engine: Engine<T>,
 }
 
 impl<T: Real> Simulation<T> {
     /// A dark simulation of `scene`.
     pub fn new(scene: Scene) -> Result<Self, SimulationError> {
+        Self::with_options(scene, Options::default())
+    }
+
+    /// A dark simulation of `scene` that carries its iterations out as `options` say.
+    pub fn with_options(scene: Scene, options: Options) -> Result<Self, SimulationError> {
         let sizes = Levels::new(scene.size, scene.coarsest)
             .ok_or(SimulationError::Sizes { size: scene.size, coarsest: scene.coarsest })?;
         let scheme = known_scheme(&scene.propagation.scheme)?;
         let (stencils, residences) = operators(&scheme, &scene.propagation, sizes)?;
         let occluders = occlusion::occluders(&scene, sizes, &scheme);
-        let channels = occlusion::channels(&scene);
+        let channels = if options.skip.channels { occlusion::channels(&scene) } else { Channels::separate() };
+        let engine = Engine::new(&stencils, options);
         let dark = || Octree::new(sizes);
         let light = || Light { source: dark(), target: dark(), accumulated: dark(), merged: None };
         let lights = (0..channels.count()).map(|_| light()).collect();
         let index = IndexVolume::new(sizes);
-        Ok(Simulation { scene, sizes, channels, stencils, residences, occluders, lights, index, iteration: 0 })
+        Ok(Simulation { scene, sizes, channels, stencils, residences, occluders, lights, index, iteration: 0, engine })
     }
 
     /// The scene that is simulated.
@@ -177,6 +190,7 @@ impl<T: Real> Simulation<T> {
     pub fn set_propagation(&mut self, propagation: Propagation) -> Result<(), SimulationError> {
         let scheme = known_scheme(&propagation.scheme)?;
         (self.stencils, self.residences) = operators(&scheme, &propagation, self.sizes)?;
+        self.engine.set_stencils(&self.stencils);
         if propagation.scheme != self.scene.propagation.scheme {
             self.occluders = occlusion::occluders(&self.scene, self.sizes, &scheme);
         }
@@ -187,6 +201,9 @@ impl<T: Real> Simulation<T> {
     /// Does one action and tells what it changed.
     pub fn act(&mut self, action: Action) -> Change {
         let lit_before = self.lit();
+        if action != Action::Propagate {
+            self.engine.forget(action);
+        }
         let unchanged = Change {
             action,
             iteration: 0,
@@ -229,7 +246,7 @@ impl<T: Real> Simulation<T> {
             self.act(action);
         }
         let mut go_on = watch(self);
-        while go_on && self.iteration < self.scene.propagation.iterations {
+        while go_on && self.iteration < self.scene.propagation.iterations && !self.is_done() {
             self.act(Action::Propagate);
             go_on = watch(self);
         }
@@ -289,28 +306,6 @@ impl<T: Real> Simulation<T> {
         }
     }
 
-    fn propagate(&mut self) {
-        let keep_source = self.iteration == 0 && self.scene.propagation.snapshots == Snapshots::CopyFirst;
-        let occluders = self.occluders.as_ref().filter(|(_, from)| self.iteration + 1 >= *from).map(|(o, _)| o);
-        for (colour, light) in self.lights.iter_mut().enumerate() {
-            for (i, stencil) in self.stencils.iter().enumerate() {
-                let (source, target) = (light.source.level(i), light.target.level_mut(i));
-                match occluders {
-                    // Where albedos have colours each channel is one; where not, any colour will do.
-                    Some(occluders) => occluders.propagate(stencil, Which { level: i, colour }, source, target),
-                    None => plain::propagate(stencil, source, target),
-                }
-                if keep_source {
-                    target.add_grid(source);
-                }
-                self.index.level_mut(i).mark_lit(target);
-                light.accumulated.level_mut(i).add_grid(target);
-            }
-            std::mem::swap(&mut light.source, &mut light.target);
-        }
-        self.iteration += 1;
-    }
-
     fn merge(&mut self) {
         for light in &mut self.lights {
             let merged = light.merged.get_or_insert_with(|| Grid::new(self.sizes.finest()));
@@ -320,6 +315,25 @@ impl<T: Real> Simulation<T> {
                 hard.barrier.shut().for_each(|cell| merged.set(cell, finest.get(cell)));
             }
         }
+    }
+}
+
+/// The occluders that act in an iteration, counted from 1.
+fn acting<T>(occluders: &Option<(Occluders<T>, usize)>, iteration: usize) -> Option<&Occluders<T>> {
+    occluders.as_ref().filter(|(_, from)| iteration >= *from).map(|(occluders, _)| occluders)
+}
+
+/// One iteration of one level. Where albedos have colours each channel is one; where not, any colour will do.
+fn step<T: Real>(
+    occluders: Option<&Occluders<T>>,
+    stencil: &Stencil<T>,
+    which: Which,
+    source: &Grid<T>,
+    target: &mut Grid<T>,
+) {
+    match occluders {
+        Some(occluders) => occluders.propagate(stencil, which, source, target),
+        None => plain::propagate(stencil, source, target),
     }
 }
 

@@ -124,7 +124,8 @@ pub fn propagators(lab: &mut Lab, ui: &mut Ui) {
                 });
                 let full = |what: &str| format!("Propagator {} {what}", letter(i + 1));
                 name(&combo.response, &full("scheme"));
-                let factor = DragValue::new(&mut other.factor).range(0.0..=100.0).speed(0.01).max_decimals(6).prefix("p = ");
+                let factor =
+                    DragValue::new(&mut other.factor).range(0.0..=100.0).speed(0.01).max_decimals(6).prefix("p = ");
                 name(&ui.add(factor).on_hover_text("The propagation factor"), &full("factor"));
                 name(&ui.checkbox(&mut other.clamp, "clamp"), &full("clamp"));
                 let remove = format!("Remove propagator {}", letter(i + 1));

@@ -3,7 +3,9 @@
 use std::collections::BTreeSet;
 
 use egui::{Color32, ComboBox, Ui, vec2};
-use egui_plot::{Corner, GridInput, GridMark, HoverPosition, Legend, Line, LineStyle, MarkerShape, Plot, PlotPoints, Points, VLine};
+use egui_plot::{
+    Corner, GridInput, GridMark, HoverPosition, Legend, Line, LineStyle, MarkerShape, Plot, PlotPoints, Points, VLine,
+};
 use serde::{Deserialize, Serialize};
 
 use super::mesh::color;
@@ -104,15 +106,17 @@ impl Plots {
         }
         let levels: BTreeSet<usize> = runs.iter().flat_map(|run| &run.rows).filter_map(|row| row.level).collect();
         let text = |level: Option<usize>| level.map_or("All levels".to_owned(), |level| format!("Level {level}"));
-        let choice = ComboBox::from_id_salt("error level").selected_text(text(self.level)).width(84.0).show_ui(ui, |ui| {
-            for level in std::iter::once(None).chain(levels.into_iter().map(Some)) {
-                ui.selectable_value(&mut self.level, level, text(level));
-            }
-        });
+        let choice =
+            ComboBox::from_id_salt("error level").selected_text(text(self.level)).width(84.0).show_ui(ui, |ui| {
+                for level in std::iter::once(None).chain(levels.into_iter().map(Some)) {
+                    ui.selectable_value(&mut self.level, level, text(level));
+                }
+            });
         super::controls::name(&choice.response, "Error level");
         ui.checkbox(&mut self.average, "Average —").on_hover_text("Solid lines");
         ui.checkbox(&mut self.maximum, "Maximum - -").on_hover_text("Broken lines");
-        ui.checkbox(&mut self.log, "Log axis").on_hover_text("A logarithmic vertical axis; errors of zero are left out");
+        ui.checkbox(&mut self.log, "Log axis")
+            .on_hover_text("A logarithmic vertical axis; errors of zero are left out");
     }
 
     /// Both plots, side by side in the room there is; `now` is the iteration that is seen.
@@ -151,7 +155,9 @@ impl Plots {
             .link_cursor(egui::Id::unique("error plots"), [true, false])
             .grid_color(color(theme.grid))
             .y_axis_min_width(44.0)
-            .x_axis_formatter(|mark, _| if mark.value.fract() == 0.0 { format!("{}", mark.value) } else { String::new() })
+            .x_axis_formatter(
+                |mark, _| if mark.value.fract() == 0.0 { format!("{}", mark.value) } else { String::new() },
+            )
             .label_formatter(move |position| Some(read_out(position, log)));
         plot = match log {
             true => plot.y_grid_spacer(decades).y_axis_formatter(|mark, _| power_of_ten(mark.value)),

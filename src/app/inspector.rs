@@ -81,7 +81,8 @@ fn course(ui: &mut Ui, samples: &[PinSample], seen: usize, theme: &Theme) {
     let curve = |of: fn(&PinSample) -> [Sh<f32>; 3]| -> Vec<[f64; 2]> {
         samples.iter().map(|sample| [sample.iteration as f64, mean(of(sample))]).collect()
     };
-    let accumulated = Line::new("S_A", PlotPoints::new(curve(|sample| sample.accumulated))).color(color(theme.curve(0)));
+    let accumulated =
+        Line::new("S_A", PlotPoints::new(curve(|sample| sample.accumulated))).color(color(theme.curve(0)));
     let source = Line::new("S_k", PlotPoints::new(curve(|sample| sample.source))).color(color(theme.curve(1)));
     let plot = Plot::new("course of the pinned cell")
         .height(ui.available_height().max(48.0))

@@ -4,10 +4,10 @@ use egui::{Button, CentralPanel, Context, Frame, Margin, MenuBar, Panel, RichTex
 
 use super::closing::Next;
 use super::command::Command;
+use super::compare::{Sides, letter};
 use super::controls::{self, Surroundings};
 use super::glyphs::Scales;
 use super::lab::Lab;
-use super::compare::{Sides, letter};
 use super::look::{Layer, Light, Pane};
 use super::view::Stage;
 use super::{compare, inspector, legend, timeline, toolbar};
@@ -180,11 +180,20 @@ impl Lab {
             ui.separator();
             ui.label("from");
             let threshold = egui::DragValue::new(&mut eye.threshold).range(0.0..=1.0).speed(0.001).max_decimals(4);
-            let threshold = ui.add(threshold).on_hover_text("The share of the strongest light below which cells are left out");
+            let threshold =
+                ui.add(threshold).on_hover_text("The share of the strongest light below which cells are left out");
             controls::name(&threshold, "Threshold");
             if let Some(cloud) = &self.cloud {
-                let left_out = if cloud.left_out > 0 { format!(", {} weaker ones left out", cloud.left_out) } else { String::new() };
-                ui.label(format!("of the strongest c00 = {}:  {} cells{left_out}", legend::number(cloud.strongest), cloud.cells.len()));
+                let left_out = if cloud.left_out > 0 {
+                    format!(", {} weaker ones left out", cloud.left_out)
+                } else {
+                    String::new()
+                };
+                ui.label(format!(
+                    "of the strongest c00 = {}:  {} cells{left_out}",
+                    legend::number(cloud.strongest),
+                    cloud.cells.len()
+                ));
             }
         });
         let side = ui.available_height().min(ui.available_width() * 0.4);

@@ -54,7 +54,12 @@ impl Projection {
         // y is up in the volume; the eye looks along −z of its own frame.
         let turn = Mat3::from_rotation_x(eye.pitch) * Mat3::from_rotation_y(eye.yaw);
         let extent = rect.width().min(rect.height());
-        Projection { turn, centre: rect.center() + eye.pan * extent, scale: extent * 0.54 * eye.zoom, side: side as f32 }
+        Projection {
+            turn,
+            centre: rect.center() + eye.pan * extent,
+            scale: extent * 0.54 * eye.zoom,
+            side: side as f32,
+        }
     }
 
     /// A place in finest cells, in the eye's frame: the volume's middle at 0, its side 1, z towards the eye.
