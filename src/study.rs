@@ -1,5 +1,6 @@
 //! Questions put to simulations.
 
+pub mod benchmark;
 pub mod error;
 pub mod random;
 pub mod reference;
