@@ -36,7 +36,7 @@ use std::path::PathBuf;
 pub use command::Command;
 pub use errors::Run;
 pub use lab::Lab;
-pub use look::{Layer, Light, Shown};
+pub use look::{Cloud, Layer, Light, Shown};
 pub use settings::Settings;
 pub use view::{Heat, Scaling, Stage, View};
 

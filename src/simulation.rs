@@ -12,8 +12,12 @@
 //!   accumulated, then source and target swap.
 //! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell. A cell that hard
 //!   occluders let no light enter is sampled at level 0, where it holds what was injected there, if anything.
+//!
+//! A propagation that could take light out of the range of numbers is not done: the light stays as it
+//! was, and [`Simulation::divergence`] tells why.
 
 mod advance;
+mod ceiling;
 mod descent;
 mod engine;
 mod occlusion;
@@ -21,13 +25,17 @@ pub mod options;
 
 use std::fmt;
 
-use crate::field::{Channels, Grid, IndexVolume, Levels, Octree};
+use ceiling::Ceiling;
+pub use ceiling::{Divergence, limit};
+
+use crate::field::{Channels, Grid, IndexVolume, Levels, Octree, memory};
 use crate::propagate::kernel::occluded::{Occluders, Which};
 use crate::propagate::kernel::plain;
 use crate::propagate::levels::{self, Policy, TooLarge};
 use crate::propagate::scheme::{self, Scheme};
 use crate::propagate::stencil::Stencil;
 use crate::scene::Scene;
+use crate::scene::error::nearest;
 use crate::scene::preset::{Propagation, Snapshots};
 use crate::sh::Real;
 
@@ -84,10 +92,12 @@ pub struct Change {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SimulationError {
     /// No scheme of that name.
-    #[error("unknown scheme \"{name}\"; known schemes: {known}")]
+    #[error("unknown scheme \"{name}\"; {}known schemes: {known}", .nearest.map_or(String::new(), |n| format!("did you mean \"{n}\"? ")))]
     UnknownScheme {
         /// The name asked for.
         name: String,
+        /// The name that it may be meant to be.
+        nearest: Option<&'static str>,
         /// The names there are.
         known: String,
     },
@@ -102,6 +112,21 @@ pub enum SimulationError {
     /// A factor that is too large for the levels' policy.
     #[error(transparent)]
     TooLarge(#[from] TooLarge),
+    /// More light than the machine has memory for.
+    #[error(
+        "a volume of side {size} needs {} of memory and {} are free; the largest size that fits is {largest}",
+        memory::in_words(*needed), memory::in_words(*free)
+    )]
+    Memory {
+        /// The side of the finest level.
+        size: usize,
+        /// Bytes that its light takes.
+        needed: u64,
+        /// Bytes that the machine has left.
+        free: u64,
+        /// The largest side whose light fits.
+        largest: usize,
+    },
 }
 
 /// One channel of light in its three octrees.
@@ -132,6 +157,8 @@ pub struct Simulation<T> {
     index: IndexVolume,
     iteration: usize,
     engine: Engine<T>,
+    ceiling: Ceiling,
+    divergence: Option<Divergence>,
 }
 
 impl<T: Real> Simulation<T> {
@@ -146,14 +173,30 @@ impl<T: Real> Simulation<T> {
             .ok_or(SimulationError::Sizes { size: scene.size, coarsest: scene.coarsest })?;
         let scheme = known_scheme(&scene.propagation.scheme)?;
         let (stencils, residences) = operators(&scheme, &scene.propagation, sizes)?;
-        let occluders = occlusion::occluders(&scene, sizes, &scheme);
         let channels = if options.skip.channels { occlusion::channels(&scene) } else { Channels::separate() };
+        refuse_what_does_not_fit::<T>(sizes, channels.count())?;
+        let occluders = occlusion::occluders(&scene, sizes, &scheme);
+        let ceiling = Ceiling::new(&stencils, scene.occlusion.bounce);
         let engine = Engine::new(&stencils, options);
         let dark = || Octree::new(sizes);
         let light = || Light { source: dark(), target: dark(), accumulated: dark(), merged: None };
         let lights = (0..channels.count()).map(|_| light()).collect();
         let index = IndexVolume::new(sizes);
-        Ok(Simulation { scene, sizes, channels, stencils, residences, occluders, lights, index, iteration: 0, engine })
+        let divergence = None;
+        Ok(Simulation {
+            scene,
+            sizes,
+            channels,
+            stencils,
+            residences,
+            occluders,
+            lights,
+            index,
+            iteration: 0,
+            engine,
+            ceiling,
+            divergence,
+        })
     }
 
     /// The scene that is simulated.
@@ -186,6 +229,11 @@ impl<T: Real> Simulation<T> {
         self.iteration
     }
 
+    /// Why the last propagation was not done, if it was not: its light could have left the range of numbers.
+    pub fn divergence(&self) -> Option<Divergence> {
+        self.divergence
+    }
+
     /// Takes other settings for the iterations to come; the light stays as it is.
     pub fn set_propagation(&mut self, propagation: Propagation) -> Result<(), SimulationError> {
         let scheme = known_scheme(&propagation.scheme)?;
@@ -194,6 +242,7 @@ impl<T: Real> Simulation<T> {
         if propagation.scheme != self.scene.propagation.scheme {
             self.occluders = occlusion::occluders(&self.scene, self.sizes, &scheme);
         }
+        self.ceiling = Ceiling::new(&self.stencils, self.scene.occlusion.bounce);
         self.scene.propagation = propagation;
         Ok(())
     }
@@ -204,6 +253,7 @@ impl<T: Real> Simulation<T> {
         if action != Action::Propagate {
             self.engine.forget(action);
         }
+        self.divergence = None;
         let unchanged = Change {
             action,
             iteration: 0,
@@ -215,21 +265,30 @@ impl<T: Real> Simulation<T> {
         };
         let change = match action {
             Action::Clear => {
+                self.ceiling.forget();
                 self.clear();
                 Change { source: true, target: true, accumulated: true, merged: true, ..unchanged }
             }
             Action::Inject => {
+                self.ceiling.forget();
                 let accumulated = self.inject();
                 Change { source: true, accumulated, ..unchanged }
             }
             Action::Downsample => {
+                self.ceiling.forget();
                 self.downsample();
                 Change { source: true, accumulated: true, ..unchanged }
             }
-            Action::Propagate => {
-                self.propagate();
-                Change { source: true, target: true, accumulated: true, ..unchanged }
-            }
+            Action::Propagate => match self.ceiling.admit(self.iteration + 1, &self.lights, &self.index) {
+                Ok(()) => {
+                    self.propagate();
+                    Change { source: true, target: true, accumulated: true, ..unchanged }
+                }
+                Err(divergence) => {
+                    self.divergence = Some(divergence);
+                    unchanged
+                }
+            },
             Action::Merge => {
                 self.merge();
                 Change { merged: true, ..unchanged }
@@ -240,7 +299,7 @@ impl<T: Real> Simulation<T> {
 
     /// Clear, inject, downsample, as many iterations as the scene asks for, merge; `watch` sees the
     /// simulation after the downsampling (iteration 0) and after every iteration, and returns whether to
-    /// go on.
+    /// go on. Where the light diverges the iterations end early, and [`Self::divergence`] tells of it.
     pub fn run(&mut self, mut watch: impl FnMut(&Self) -> bool) {
         for action in [Action::Clear, Action::Inject, Action::Downsample] {
             self.act(action);
@@ -248,9 +307,12 @@ impl<T: Real> Simulation<T> {
         let mut go_on = watch(self);
         while go_on && self.iteration < self.scene.propagation.iterations && !self.is_done() {
             self.act(Action::Propagate);
+            if self.divergence.is_some() {
+                break;
+            }
             go_on = watch(self);
         }
-        self.act(Action::Merge);
+        self.merge();
     }
 
     /// Cells, over all levels, that have received light.
@@ -307,15 +369,34 @@ impl<T: Real> Simulation<T> {
     }
 
     fn merge(&mut self) {
-        for light in &mut self.lights {
-            let merged = light.merged.get_or_insert_with(|| Grid::new(self.sizes.finest()));
-            self.index.merge(&light.accumulated, merged);
-            if let Some((Occluders::Hard(hard), _)) = &self.occluders {
-                let finest = light.accumulated.level(0);
-                hard.barrier.shut().for_each(|cell| merged.set(cell, finest.get(cell)));
-            }
+        for channel in 0..self.lights.len() {
+            let mut merged = self.lights[channel].merged.take().unwrap_or_else(|| Grid::new(self.sizes.finest()));
+            self.sample(channel, &mut merged);
+            self.lights[channel].merged = Some(merged);
         }
     }
+
+    /// Sets `merged` to the sample S(x, y, z) of a channel's accumulated octree at every finest cell, as
+    /// merging does.
+    pub fn sample(&self, channel: usize, merged: &mut Grid<T>) {
+        let accumulated = &self.lights[channel].accumulated;
+        self.index.merge(accumulated, merged);
+        if let Some((Occluders::Hard(hard), _)) = &self.occluders {
+            hard.barrier.shut().for_each(|cell| merged.set(cell, accumulated.level(0).get(cell)));
+        }
+    }
+}
+
+/// Refuses light that the machine has no memory for, before any of it is allocated.
+fn refuse_what_does_not_fit<T>(sizes: Levels, channels: usize) -> Result<(), SimulationError> {
+    let needed = |size: usize| memory::of_simulation::<T>(sizes.with_finest(size), channels);
+    let size = sizes.finest();
+    let Some(free) = memory::free().filter(|free| needed(size) > *free) else { return Ok(()) };
+    let mut largest = size;
+    while largest > 1 && needed(largest) > free {
+        largest /= 2;
+    }
+    Err(SimulationError::Memory { size, needed: needed(size), free, largest })
 }
 
 /// The occluders that act in an iteration, counted from 1.
@@ -350,6 +431,9 @@ fn operators<T: Real>(
 
 /// The scheme of that name, or an error that names those there are.
 pub fn known_scheme(name: &str) -> Result<Scheme, SimulationError> {
-    scheme::find(name)
-        .ok_or_else(|| SimulationError::UnknownScheme { name: name.to_owned(), known: scheme::names().join(", ") })
+    scheme::find(name).ok_or_else(|| SimulationError::UnknownScheme {
+        name: name.to_owned(),
+        nearest: nearest(name, &scheme::names()),
+        known: scheme::names().join(", "),
+    })
 }

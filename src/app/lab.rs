@@ -133,6 +133,11 @@ impl Lab {
         &self.shown
     }
 
+    /// The light in space, while it is shown.
+    pub fn cloud(&self) -> Option<&Cloud> {
+        self.cloud.as_deref()
+    }
+
     /// The error curves: the present run's, then those kept.
     pub fn curves(&self) -> Vec<&Run> {
         self.runs.iter().chain(&self.kept).collect()

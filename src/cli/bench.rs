@@ -15,10 +15,12 @@ use crate::study::benchmark::{self, BenchmarkError, KernelRow, Pipeline, Plan, T
 
 /// What to measure, and where to write.
 #[derive(Args, Debug)]
-#[command(after_help = "Examples:\n  lpv-lab bench\n  lpv-lab bench --sizes 64,128,256 --threads 1,2 --rounds 7 --out results\n\n\
+#[command(
+    after_help = "Examples:\n  lpv-lab bench\n  lpv-lab bench --sizes 64,128,256 --threads 1,2 --rounds 7 --out results\n\n\
                         kernel is aos (the usual array of structures), plain (the definition), fast, fast-clamped, blocked\n\
                         (several iterations a pass), or a scene: lobe (eight iterations, all levels) and walls-merged (sixteen,\n\
-                        only the merged light wanted), with what was not skipped.")]
+                        only the merged light wanted), with what was not skipped."
+)]
 pub struct BenchArgs {
     /// Sides of the volumes, powers of two
     #[arg(long, value_name = "N,N,...", value_delimiter = ',', default_values_t = [16, 32, 64, 128], value_parser = side)]
@@ -113,7 +115,10 @@ fn table(rows: &[KernelRow]) -> Table<9> {
 fn print_pipeline(pipeline: &Pipeline) {
     let Pipeline { threads, channels, stages, bytes } = pipeline;
     let stages: Vec<String> = stages.iter().map(|(name, seconds)| format!("{name} {:.3} ms", 1e3 * seconds)).collect();
-    println!("\nThe thesis's setting (n = 32, four iterations, {channels} channels) on {threads} threads: {}", stages.join(", "));
+    println!(
+        "\nThe thesis's setting (n = 32, four iterations, {channels} channels) on {threads} threads: {}",
+        stages.join(", ")
+    );
     let milliseconds = 1e3 * pipeline.propagation();
     println!(
         "Propagation takes 1/{:.1} of the thesis's {THESIS_MILLISECONDS} ms; light and marks take {:.2} MB",

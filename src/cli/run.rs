@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::cells::LevelArg;
 use super::output::Folder;
-use super::{CliError, SceneArgs};
+use super::{CliError, SceneArgs, stability};
 use crate::report::colour::{Paint, Theme};
 use crate::report::error_plot::ErrorPlot;
 use crate::report::glyph::Hue;
@@ -141,6 +141,9 @@ struct Summary<'a> {
 pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let (preset, scene) = args.scene.load()?;
     let plane = plane(args.slice, scene.size, |axis| scene.brightest_slab(axis))?;
+    if let Some(warning) = stability::warning(&scene) {
+        eprintln!("lpv-lab: warning: {warning}");
+    }
     let mut simulation = Simulation::<f32>::new(scene)?;
     LevelArg::Level(args.level).check(simulation.sizes().count())?;
     let folder = Folder::create(args.out())?;
@@ -150,9 +153,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let seconds = started.elapsed().as_secs_f64() - aside;
 
     let title = if preset.title.is_empty() { args.scene.stem() } else { preset.title.clone() };
-    let mut csv = Vec::new();
-    table::errors(&rows).write_csv(&mut csv).map_err(|e| CliError::Failed(format!("errors.csv: {e}")))?;
-    folder.write("errors.csv", csv)?;
+    folder.write_table("errors.csv", &table::errors(&rows))?;
     let all_levels: Vec<ErrorRow> = rows.iter().filter(|row| row.level.is_none()).copied().collect();
     let plot = ErrorPlot {
         title: &format!("{title}: error after each iteration"),
@@ -189,7 +190,8 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         .map_err(|e| CliError::Failed(format!("summary.ron: {e}")))?;
     folder.write("summary.ron", text.as_bytes())?;
     println!("{} iterations in {seconds:.3} s; results in {}", simulation.iteration(), folder.path().display());
-    Ok(())
+    // What was computed before is written all the same: it is good.
+    simulation.divergence().map_or(Ok(()), |divergence| Err(divergence.into()))
 }
 
 /// Runs the scene with a line for every iteration; the errors, and the seconds that measuring and printing took.

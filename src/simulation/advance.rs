@@ -43,16 +43,25 @@ impl<T: Real> Simulation<T> {
         self.iteration
     }
 
-    /// So many iterations with nobody looking in between; fewer if the tolerance is met. After
-    /// [`Wanted::Merged`] only merging makes sense.
+    /// So many iterations with nobody looking in between; fewer if the tolerance is met or the light
+    /// diverges. After [`Wanted::Merged`] only merging makes sense.
     pub fn advance(&mut self, iterations: usize, wanted: Wanted) {
         let end = self.iteration + iterations;
         while self.iteration < end && !self.is_done() {
-            if self.options().tolerance.is_none() && self.is_fast() {
-                self.fast(end - self.iteration, wanted);
-            } else {
-                self.propagate();
+            if self.options().tolerance.is_some() || !self.is_fast() {
+                if !self.act(Action::Propagate).target {
+                    break;
+                }
+                continue;
             }
+            if let Err(divergence) = self.ceiling.admit(self.iteration + 1, &self.lights, &self.index) {
+                self.divergence = Some(divergence);
+                break;
+            }
+            let together = 1 + self.ceiling.admit_more::<T>(end - self.iteration - 1);
+            // Which samples will be looked at shows only at the end.
+            let is_last = self.iteration + together == end;
+            self.fast(together, if is_last { wanted } else { Wanted::Everything });
         }
     }
 

@@ -1,9 +1,9 @@
 //! Downsampling for levels that agree: every level takes its light over from the next finer one
 //! ([`crate::propagate::levels`]).
 
-use super::{Light, Simulation};
+use super::{Light, Simulation, acting, step};
 use crate::field::{Grid, downsample_into};
-use crate::propagate::kernel::plain;
+use crate::propagate::kernel::occluded::Which;
 use crate::propagate::levels;
 use crate::scene::preset::Snapshots;
 use crate::sh::Real;
@@ -15,10 +15,13 @@ impl<T: Real> Simulation<T> {
         // The first iteration of NVIDIA's sample adds its source once more, but by then that source has
         // moved on; what has not moved is counted here.
         let source_counts_twice = self.iteration == 0 && self.scene.propagation.snapshots == Snapshots::CopyFirst;
-        for Light { source, accumulated, .. } in &mut self.lights {
+        for (colour, Light { source, accumulated, .. }) in self.lights.iter_mut().enumerate() {
             for i in 1..self.sizes.count() {
                 let mut moved = Grid::new(self.sizes.side(i - 1));
-                plain::propagate(&self.stencils[i - 1], source.level(i - 1), &mut moved);
+                // Each level has gone a step further than the one before.
+                let occluders = acting(&self.occluders, self.iteration + i);
+                let which = Which { level: i - 1, colour };
+                step(occluders, &self.stencils[i - 1], which, source.level(i - 1), &mut moved);
                 levels::hand_down(self.residences[i - 1], self.residences[i], &moved, source.level_mut(i));
 
                 let mut rested = accumulated.level(i - 1).clone();

@@ -29,12 +29,13 @@ pub(super) fn occluders<T: Real>(scene: &Scene, sizes: Levels, scheme: &Scheme) 
         }
         _ if mirrors => (Occluders::Mirrored(Mirrored { geometry }), 0),
         _ => {
-            let sign = match occlusion.sign {
-                BlockingSign::AlongTravel => 1.0,
-                BlockingSign::AgainstTravel => -1.0,
+            let fuzzy = Fuzzy {
+                geometry,
+                amplifier: T::of(occlusion.amplifier),
+                along_travel: occlusion.sign == BlockingSign::AlongTravel,
+                bounce: T::of(occlusion.bounce),
             };
-            let (amplifier, bounce) = (T::of(sign * occlusion.amplifier), T::of(occlusion.bounce));
-            (Occluders::Fuzzy(Fuzzy { geometry, amplifier, bounce }), occlusion.from_iteration)
+            (Occluders::Fuzzy(fuzzy), occlusion.from_iteration)
         }
     };
     Some(occluders)

@@ -175,16 +175,21 @@ pub fn corrected<T: Real>(simulation: &Simulation<T>, uniform: &[Grid<T>]) -> Ve
 /// The merged metric: the sample of the accumulated octree at every finest cell, merged or not yet, against
 /// a uniform volume as in [`corrected`].
 pub fn merged<T: Real>(simulation: &Simulation<T>, uniform: &[Grid<T>]) -> ErrorRow {
+    let sampled = sampled(simulation);
     let tally = tally(&channel_scales(simulation), simulation.sizes().finest(), |channel, cell| {
-        (sample(simulation, channel, cell), uniform[channel].get(cell))
+        (sampled[channel].get(cell), uniform[channel].get(cell))
     });
     tally.row(simulation.iteration(), Metric::Merged, None)
 }
 
-/// S(x, y, z) of (000, 4.2): the accumulated light of the finest level that has received any around a cell.
-pub fn sample<T: Real>(simulation: &Simulation<T>, channel: usize, cell: Cell) -> Sh<T> {
-    let i = simulation.index().index(cell);
-    simulation.lights()[channel].accumulated.level(i).get(cell.map(|c| c >> i))
+/// What merging would store now, for each channel.
+pub(super) fn sampled<T: Real>(simulation: &Simulation<T>) -> Vec<Grid<T>> {
+    let sample = |channel| {
+        let mut grid = Grid::new(simulation.sizes().finest());
+        simulation.sample(channel, &mut grid);
+        grid
+    };
+    (0..simulation.lights().len()).map(sample).collect()
 }
 
 /// The largest multiple of each channel among the three colours: what a channel's norm counts with.
