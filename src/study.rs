@@ -1,6 +1,7 @@
 //! Questions put to simulations.
 
 pub mod ballistic;
+pub mod benchmark;
 pub mod compare;
 pub mod error;
 pub mod random;
