@@ -3,6 +3,7 @@
 pub mod ballistic;
 pub mod benchmark;
 pub mod compare;
+pub mod converged;
 pub mod error;
 pub mod random;
 pub mod reference;
