@@ -1,7 +1,9 @@
 //! Questions put to simulations.
 
 pub mod ballistic;
+pub mod benchmark;
 pub mod compare;
+pub mod converged;
 pub mod error;
 pub mod random;
 pub mod reference;
