@@ -1,5 +1,6 @@
 //! The headless commands, each a few lines over `study` and `report`.
 
+mod bench;
 mod cells;
 mod compare;
 mod load;
@@ -49,6 +50,8 @@ pub enum Command {
     Cells(cells::CellsArgs),
     /// Run presets under several schemes and compare what each makes of them
     Compare(compare::CompareArgs),
+    /// Measure how fast the loops are
+    Bench(bench::BenchArgs),
     /// List the propagation schemes with their gains and critical factors
     Schemes(schemes::SchemesArgs),
     /// List the built-in presets, or write them to a folder
@@ -121,6 +124,7 @@ pub fn execute(command: Command) -> Result<(), CliError> {
         Command::Run(args) => run::run(&args),
         Command::Cells(args) => cells::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Bench(args) => bench::run(&args),
         Command::Schemes(args) => schemes::run(&args),
         Command::Presets(args) => presets::run(&args),
         Command::Stability(args) => stability::run(&args),

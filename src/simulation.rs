@@ -3,22 +3,26 @@
 //!
 //! What each does to the three octrees (000, 3.2.3, 4.2 and 5.1):
 //!
-//! - *Clear* makes everything dark and sets the iteration to 0.
+//! - *Clear* makes everything dark and sets the iteration to 0. Where hard occluders let no light in, the
+//!   index volume is marked: such a cell is sampled at level 0, where it holds what is injected there, if
+//!   anything, and not in a coarse cell that reaches around to the light.
 //! - *Inject* adds the scene's light to level 0 of the source, and of the accumulated light where the
 //!   snapshots count the injection; it marks the index volume.
 //! - *Downsample* sets every coarser level of source and accumulated to the mean of its children; with
 //!   consistent levels, to the light that it takes over one step later ([`levels`]).
 //! - *Propagate* takes every level one iteration further: source to target, target added to
 //!   accumulated, then source and target swap.
-//! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell. A cell that hard
-//!   occluders let no light enter is sampled at level 0, where it holds what was injected there, if anything.
+//! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell.
 //!
 //! A propagation that could take light out of the range of numbers is not done: the light stays as it
 //! was, and [`Simulation::divergence`] tells why.
 
+mod advance;
 mod ceiling;
 mod descent;
+mod engine;
 mod occlusion;
+pub mod options;
 
 use std::fmt;
 
@@ -35,6 +39,9 @@ use crate::scene::Scene;
 use crate::scene::error::nearest;
 use crate::scene::preset::{Propagation, Snapshots};
 use crate::sh::Real;
+
+use engine::Engine;
+use options::Options;
 
 /// What the stepper can be told to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -150,6 +157,7 @@ pub struct Simulation<T> {
     lights: Vec<Light<T>>,
     index: IndexVolume,
     iteration: usize,
+    engine: Engine<T>,
     ceiling: Ceiling,
     divergence: Option<Divergence>,
 }
@@ -157,18 +165,25 @@ pub struct Simulation<T> {
 impl<T: Real> Simulation<T> {
     /// A dark simulation of `scene`.
     pub fn new(scene: Scene) -> Result<Self, SimulationError> {
+        Self::with_options(scene, Options::default())
+    }
+
+    /// A dark simulation of `scene` that carries its iterations out as `options` say.
+    pub fn with_options(scene: Scene, options: Options) -> Result<Self, SimulationError> {
         let sizes = Levels::new(scene.size, scene.coarsest)
             .ok_or(SimulationError::Sizes { size: scene.size, coarsest: scene.coarsest })?;
         let scheme = known_scheme(&scene.propagation.scheme)?;
         let (stencils, residences) = operators(&scheme, &scene.propagation, sizes)?;
-        let channels = occlusion::channels(&scene);
+        let channels = if options.skip.channels { occlusion::channels(&scene) } else { Channels::separate() };
         refuse_what_does_not_fit::<T>(sizes, channels.count())?;
         let occluders = occlusion::occluders(&scene, sizes, &scheme);
         let ceiling = Ceiling::new(&stencils, scene.occlusion.bounce);
+        let engine = Engine::new(&stencils, options);
         let dark = || Octree::new(sizes);
         let light = || Light { source: dark(), target: dark(), accumulated: dark(), merged: None };
         let lights = (0..channels.count()).map(|_| light()).collect();
-        let index = IndexVolume::new(sizes);
+        let mut index = IndexVolume::new(sizes);
+        occlusion::mark_shut(occluders.as_ref(), &mut index);
         let divergence = None;
         Ok(Simulation {
             scene,
@@ -180,6 +195,7 @@ impl<T: Real> Simulation<T> {
             lights,
             index,
             iteration: 0,
+            engine,
             ceiling,
             divergence,
         })
@@ -224,6 +240,7 @@ impl<T: Real> Simulation<T> {
     pub fn set_propagation(&mut self, propagation: Propagation) -> Result<(), SimulationError> {
         let scheme = known_scheme(&propagation.scheme)?;
         (self.stencils, self.residences) = operators(&scheme, &propagation, self.sizes)?;
+        self.engine.set_stencils(&self.stencils);
         if propagation.scheme != self.scene.propagation.scheme {
             self.occluders = occlusion::occluders(&self.scene, self.sizes, &scheme);
         }
@@ -235,6 +252,9 @@ impl<T: Real> Simulation<T> {
     /// Does one action and tells what it changed.
     pub fn act(&mut self, action: Action) -> Change {
         let lit_before = self.lit();
+        if action != Action::Propagate {
+            self.engine.forget(action);
+        }
         self.divergence = None;
         let unchanged = Change {
             action,
@@ -261,7 +281,7 @@ impl<T: Real> Simulation<T> {
                 self.downsample();
                 Change { source: true, accumulated: true, ..unchanged }
             }
-            Action::Propagate => match self.ceiling.admit(self.iteration + 1, &self.lights) {
+            Action::Propagate => match self.ceiling.admit(self.iteration + 1, &self.lights, &self.index) {
                 Ok(()) => {
                     self.propagate();
                     Change { source: true, target: true, accumulated: true, ..unchanged }
@@ -287,7 +307,7 @@ impl<T: Real> Simulation<T> {
             self.act(action);
         }
         let mut go_on = watch(self);
-        while go_on && self.iteration < self.scene.propagation.iterations {
+        while go_on && self.iteration < self.scene.propagation.iterations && !self.is_done() {
             self.act(Action::Propagate);
             if self.divergence.is_some() {
                 break;
@@ -310,6 +330,7 @@ impl<T: Real> Simulation<T> {
             light.merged = None;
         }
         self.index.clear();
+        occlusion::mark_shut(self.occluders.as_ref(), &mut self.index);
         self.iteration = 0;
     }
 
@@ -350,24 +371,6 @@ impl<T: Real> Simulation<T> {
         }
     }
 
-    fn propagate(&mut self) {
-        let keep_source = self.iteration == 0 && self.scene.propagation.snapshots == Snapshots::CopyFirst;
-        let occluders = acting(&self.occluders, self.iteration + 1);
-        for (colour, light) in self.lights.iter_mut().enumerate() {
-            for (i, stencil) in self.stencils.iter().enumerate() {
-                let (source, target) = (light.source.level(i), light.target.level_mut(i));
-                step(occluders, stencil, Which { level: i, colour }, source, target);
-                if keep_source {
-                    target.add_grid(source);
-                }
-                self.index.level_mut(i).mark_lit(target);
-                light.accumulated.level_mut(i).add_grid(target);
-            }
-            std::mem::swap(&mut light.source, &mut light.target);
-        }
-        self.iteration += 1;
-    }
-
     fn merge(&mut self) {
         for channel in 0..self.lights.len() {
             let mut merged = self.lights[channel].merged.take().unwrap_or_else(|| Grid::new(self.sizes.finest()));
@@ -379,12 +382,20 @@ impl<T: Real> Simulation<T> {
     /// Sets `merged` to the sample S(x, y, z) of a channel's accumulated octree at every finest cell, as
     /// merging does.
     pub fn sample(&self, channel: usize, merged: &mut Grid<T>) {
-        let accumulated = &self.lights[channel].accumulated;
-        self.index.merge(accumulated, merged);
-        if let Some((Occluders::Hard(hard), _)) = &self.occluders {
-            hard.barrier.shut().for_each(|cell| merged.set(cell, accumulated.level(0).get(cell)));
-        }
+        self.index.merge(&self.lights[channel].accumulated, merged);
     }
+}
+
+/// Refuses light that the machine has no memory for, before any of it is allocated.
+fn refuse_what_does_not_fit<T>(sizes: Levels, channels: usize) -> Result<(), SimulationError> {
+    let needed = |size: usize| memory::of_simulation::<T>(sizes.with_finest(size), channels);
+    let size = sizes.finest();
+    let Some(free) = memory::free().filter(|free| needed(size) > *free) else { return Ok(()) };
+    let mut largest = size;
+    while largest > 1 && needed(largest) > free {
+        largest /= 2;
+    }
+    Err(SimulationError::Memory { size, needed: needed(size), free, largest })
 }
 
 /// The occluders that act in an iteration, counted from 1.
@@ -404,18 +415,6 @@ fn step<T: Real>(
         Some(occluders) => occluders.propagate(stencil, which, source, target),
         None => plain::propagate(stencil, source, target),
     }
-}
-
-/// Refuses light that the machine has no memory for, before any of it is allocated.
-fn refuse_what_does_not_fit<T>(sizes: Levels, channels: usize) -> Result<(), SimulationError> {
-    let needed = |size: usize| memory::of_simulation::<T>(sizes.with_finest(size), channels);
-    let size = sizes.finest();
-    let Some(free) = memory::free().filter(|free| needed(size) > *free) else { return Ok(()) };
-    let mut largest = size;
-    while largest > 1 && needed(largest) > free {
-        largest /= 2;
-    }
-    Err(SimulationError::Memory { size, needed: needed(size), free, largest })
 }
 
 /// The stencil of every level, and its residence.

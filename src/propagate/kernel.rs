@@ -19,7 +19,7 @@ use super::active::Spans;
 use crate::field::{Grid, Marks};
 use crate::sh::{Real, Sh};
 
-pub use slab::{Instructions, Order, Tally};
+pub use slab::{Instructions, Order, Tally, lies_in_cone};
 
 /// A coefficient smaller than this in magnitude is taken as zero after every iteration, in every kernel
 /// and precision. Light fades exponentially; without a floor it would end in denormal numbers, which

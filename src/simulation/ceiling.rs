@@ -9,7 +9,8 @@
 use std::fmt;
 
 use super::Light;
-use crate::field::Grid;
+use crate::field::{Grid, IndexVolume};
+use crate::propagate::active::Spans;
 use crate::propagate::stencil::Stencil;
 use crate::sh::{K0, K1, LOBE0, LOBE1, Real};
 
@@ -90,13 +91,19 @@ impl Ceiling {
 
     /// Allows the next iteration, `iteration`, if its light must stay in range; else tells on which level
     /// it may not.
-    pub fn admit<T: Real>(&mut self, iteration: usize, lights: &[Light<T>]) -> Result<(), Divergence> {
+    pub fn admit<T: Real>(
+        &mut self,
+        iteration: usize,
+        lights: &[Light<T>],
+        index: &IndexVolume,
+    ) -> Result<(), Divergence> {
         let mut next = Vec::with_capacity(self.levels.len());
         for (level, bound) in self.levels.iter().enumerate() {
             let mut ceiling = bound.next();
             if !ceiling.fits(limit::<T>()) {
+                let lit = Spans::of_marks(index.sizes().side(level), index.level(level));
                 let largest = |grid: fn(&Light<T>, usize) -> &Grid<T>| {
-                    lights.iter().map(|light| brightest(grid(light, level))).fold(0.0, f64::max)
+                    lights.iter().map(|light| brightest(grid(light, level), &lit)).fold(0.0, f64::max)
                 };
                 let source = largest(|light, level| light.source.level(level));
                 let accumulated = largest(|light, level| light.accumulated.level(level));
@@ -111,11 +118,32 @@ impl Ceiling {
         self.levels = next;
         Ok(())
     }
+
+    /// Allows as many more iterations, up to `most`, as need no look at their light.
+    pub fn admit_more<T: Real>(&mut self, most: usize) -> usize {
+        for allowed in 0..most {
+            let next: Vec<Bound> = self.levels.iter().map(|bound| bound.next()).collect();
+            if !next.iter().all(|bound| bound.fits(limit::<T>())) {
+                return allowed;
+            }
+            self.levels = next;
+        }
+        most
+    }
 }
 
-/// The largest magnitude among all coefficients.
-fn brightest<T: Real>(grid: &Grid<T>) -> f64 {
-    grid.planes().iter().flatten().fold(T::ZERO, |most, c| c.abs().max(most)).to_f64()
+/// The largest magnitude among all coefficients of a grid that is dark outside `lit`.
+fn brightest<T: Real>(grid: &Grid<T>, lit: &Spans) -> f64 {
+    let n = grid.side();
+    let mut most = T::ZERO;
+    for (row, span) in lit.rows().iter().enumerate().filter(|(_, span)| !span.is_empty()) {
+        let start = grid.layout().row_start(row % n, row / n);
+        for plane in grid.planes() {
+            let stretch = &plane[start + span.from()..start + span.to()];
+            most = stretch.iter().fold(most, |most, c| c.abs().max(most));
+        }
+    }
+    most.to_f64()
 }
 
 /// How many times the largest coefficient of the source the largest of the target can be: every flux is at most Σ|sampler|

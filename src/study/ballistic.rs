@@ -25,6 +25,8 @@ use rayon::prelude::*;
 use super::error::{self, ErrorRow, Metric};
 use super::reference;
 use crate::field::{Cell, Grid, Layout};
+use crate::propagate::geometry::Blocker;
+use crate::propagate::transparency::Transparency;
 use crate::scene::occluder::OcclusionMode;
 use crate::scene::{Occlusion, Scene, Source};
 use crate::sh::{Real, Sh};
@@ -37,7 +39,7 @@ use visibility::Visibility;
 pub struct Ballistic {
     size: usize,
     sources: Vec<Source>,
-    blockers: Vec<crate::propagate::geometry::Blocker>,
+    blockers: Vec<Blocker>,
     occlusion: Occlusion,
     light: Vec<Grid<f32>>,
 }
@@ -49,14 +51,16 @@ impl Ballistic {
         let injected = reference::injected::<f64>(scene)?;
         let extents = extents(scene.size);
         let blocks = scene.occlusion.mode != OcclusionMode::Off;
-        let visibility = if blocks { Visibility::new(scene.size, &scene.blockers) } else { None };
+        let blockers: &[Blocker] = if blocks { &scene.blockers } else { &[] };
+        let transparency = Transparency::new(scene.size, blockers);
+        let visibility = transparency.as_ref().map(Visibility);
         let channels = injected.lights().len();
         let mut light = Vec::new();
         for (channel, carried) in injected.lights().iter().enumerate() {
             let points: Vec<(Cell, Sh<f64>)> =
                 carried.source.level(0).iter().filter(|(_, light)| !light.is_zero()).collect();
             let part = |done: f64| progress((channel as f64 + done) / channels as f64);
-            let Some(grid) = arriving(&points, &extents, visibility.as_ref(), scene.size, &part) else {
+            let Some(grid) = arriving(&points, &extents, visibility, scene.size, &part) else {
                 return Ok(None);
             };
             light.push(grid);
@@ -89,7 +93,7 @@ fn extents(n: usize) -> Vec<Extent> {
 fn arriving(
     points: &[(Cell, Sh<f64>)],
     extents: &[Extent],
-    visibility: Option<&Visibility>,
+    visibility: Option<Visibility<'_>>,
     n: usize,
     progress: &(dyn Fn(f64) -> bool + Sync),
 ) -> Option<Grid<f32>> {
@@ -127,7 +131,7 @@ fn from_one(
     &(from, light): &(Cell, Sh<f64>),
     to: Cell,
     extents: &[Extent],
-    visibility: Option<&Visibility>,
+    visibility: Option<Visibility<'_>>,
     n: usize,
 ) -> Sh<f64> {
     if from == to {

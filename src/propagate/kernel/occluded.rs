@@ -2,6 +2,7 @@
 //!
 //! Like [`super::plain`] this is a definition: it gathers, cell by cell, what the six neighbours send.
 
+use super::settle;
 use crate::field::{Cell, Grid};
 use crate::propagate::barrier::Barrier;
 use crate::propagate::face::Direction;
@@ -76,7 +77,7 @@ impl<T: Real> Occluders<T> {
                 Occluders::Mirrored(mirrored) => mirrored.receive(stencil, which, source, cell, d),
                 Occluders::Hard(hard) => hard.receive(stencil, which, source, cell, d),
             };
-            target.set(cell, (0..Direction::ALL.len()).map(receive).sum());
+            target.set(cell, settle((0..Direction::ALL.len()).map(receive).sum()));
         }
     }
 }

@@ -6,8 +6,8 @@ use multiversion::multiversion;
 use super::FLOOR;
 use super::form::Form;
 use super::row::{self, Out, Stretch, chunked, chunked_mut};
-use crate::field::Layout;
-use crate::propagate::active::{Span, reached};
+use crate::field::{Grid, Layout};
+use crate::propagate::active::{Span, Spans, reached};
 use crate::sh::Real;
 
 /// Cells computed at a time: an AVX-512 register of f32, two of AVX2, four of SSE or NEON.
@@ -269,9 +269,19 @@ fn sum<T: Real, const L: usize>(plane: &[T], wide: Span) -> f64 {
     lanes.iter().map(|lane| lane.to_f64()).sum()
 }
 
+/// Whether ‖direction‖ ≤ r·c00 in every cell of a grid that is dark outside `spans`.
+pub fn lies_in_cone<T: Real>(grid: &Grid<T>, spans: &Spans, r: f64) -> bool {
+    let n = grid.side();
+    let [c, x, y, z] = grid.planes();
+    spans.rows().iter().enumerate().all(|(row, span)| {
+        let start = grid.layout().row_start(row % n, row / n);
+        within_cone(part([c, x, y, z], start + span.from(), start + span.to()), r)
+    })
+}
+
 /// Whether c00 is at least ‖direction‖ / r in every cell, in f64, where no square is lost.
 #[inline(always)]
-pub(super) fn within_cone<T: Real>([c, x, y, z]: [&[T]; 4], r: f64) -> bool {
+fn within_cone<T: Real>([c, x, y, z]: [&[T]; 4], r: f64) -> bool {
     let len = c.len();
     let (x, y, z) = (&x[..len], &y[..len], &z[..len]);
     let mut outside = false;
