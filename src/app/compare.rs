@@ -93,7 +93,7 @@ pub fn bar(lab: &mut Lab, ui: &mut Ui) {
     let compare = &mut lab.comparison;
     ui.horizontal_wrapped(|ui| {
         ui.selectable_value(&mut compare.sides, Sides::Propagators, "Propagators");
-        ui.selectable_value(&mut compare.sides, Sides::Iterations, "Iterations");
+        ui.selectable_value(&mut compare.sides, Sides::Iterations, "Two iterations");
         ui.separator();
         let combo = ComboBox::from_id_salt("compared light").selected_text(compare.light.name()).width(96.0);
         let combo = combo.show_ui(ui, |ui| {
@@ -175,10 +175,9 @@ mod tests {
     fn propagators_that_are_added_differ_while_they_can() {
         let own = Propagation::default();
         let mut compare = Comparison::default();
-        let known = scheme::names();
-        for i in 1..known.len() {
+        for (i, known) in scheme::names().into_iter().skip(1).enumerate() {
             compare.add(&own);
-            assert_eq!(compare.others[i - 1].scheme, known[i]);
+            assert_eq!(compare.others[i].scheme, known);
         }
     }
 }

@@ -58,6 +58,17 @@ pub const RELATIVE: [Quantity; 2] = [
     Quantity { name: "maximum", value: |row| row.relative_max, dashed: true },
 ];
 
+/// What there is to plot, and how.
+#[derive(Clone, Copy)]
+pub struct Curves<'a> {
+    /// The runs, in the order of their legend.
+    pub runs: &'a [&'a Run],
+    /// The colours.
+    pub theme: &'a Theme,
+    /// The iteration that is seen.
+    pub now: usize,
+}
+
 /// What the plots show.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -119,27 +130,19 @@ impl Plots {
             .on_hover_text("A logarithmic vertical axis; errors of zero are left out");
     }
 
-    /// Both plots, side by side in the room there is; `now` is the iteration that is seen.
-    pub fn ui(&self, ui: &mut Ui, runs: &[&Run], theme: &Theme, now: usize) {
+    /// Both plots, side by side in the room there is.
+    pub fn ui(&self, ui: &mut Ui, curves: &Curves) {
         let room = ui.available_size();
         let each = vec2(((room.x - 8.0) / 2.0).max(80.0), room.y.max(60.0));
         ui.horizontal_top(|ui| {
             ui.spacing_mut().item_spacing.x = 8.0;
-            self.plot(ui, each, "Absolute error (SH coefficient)", &ABSOLUTE, runs, theme, now);
-            self.plot(ui, each, "Relative error", &RELATIVE, runs, theme, now);
+            self.plot(ui, each, "Absolute error (SH coefficient)", &ABSOLUTE, curves);
+            self.plot(ui, each, "Relative error", &RELATIVE, curves);
         });
     }
 
-    fn plot(
-        &self,
-        ui: &mut Ui,
-        size: egui::Vec2,
-        title: &str,
-        quantities: &[Quantity],
-        runs: &[&Run],
-        theme: &Theme,
-        now: usize,
-    ) {
+    fn plot(&self, ui: &mut Ui, size: egui::Vec2, title: &str, quantities: &[Quantity], curves: &Curves) {
+        let Curves { runs, theme, now } = *curves;
         let log = self.log;
         let metric = self.metric(runs);
         let iterations = runs.iter().flat_map(|run| &run.rows).map(|row| row.iteration).max().unwrap_or(0);

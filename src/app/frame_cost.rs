@@ -79,7 +79,6 @@ mod tests {
     #[test]
     fn a_window_without_a_display_builds_its_frames() {
         let cost = measure(8).unwrap();
-        println!("{:?}", measure(64));
         assert!(cost.unchanged > 0.0 && cost.changed > 0.0, "{cost:?}");
     }
 }

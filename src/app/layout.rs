@@ -5,6 +5,7 @@ use egui::{CentralPanel, Frame, Margin, Panel, RichText, Ui};
 use super::closing::Next;
 use super::command::Command;
 use super::controls::{self, Surroundings};
+use super::errors::Curves;
 use super::lab::Lab;
 use super::look::Layer;
 use super::style::theme;
@@ -132,7 +133,7 @@ impl Lab {
         });
         Panel::right("inspector").exact_size(292.0).resizable(false).show(ui, |ui| inspector::ui(self, ui, &theme));
         let runs: Vec<&super::errors::Run> = self.runs.iter().chain(&self.kept).collect();
-        self.settings.plots.ui(ui, &runs, &theme, seen);
+        self.settings.plots.ui(ui, &Curves { runs: &runs, theme: &theme, now: seen });
     }
 
     /// The kept runs, to be named or dropped.

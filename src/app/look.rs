@@ -156,6 +156,8 @@ pub struct Cloud {
     pub side: usize,
     /// The cells above the threshold, the strongest first.
     pub cells: Vec<CloudCell>,
+    /// The middles of the occupied cells at the surface of occluders, in finest cells.
+    pub occupied: Vec<[f32; 3]>,
     /// Cells above the threshold that there was no room for.
     pub left_out: usize,
     /// The strongest cell's mean light, c00.

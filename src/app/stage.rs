@@ -4,6 +4,7 @@ use egui::{Frame, Panel, Ui};
 
 use super::compare::{Sides, letter};
 use super::glyphs::Scales;
+use super::grids::Manner;
 use super::lab::Lab;
 use super::look::{Light, Pane, Shown};
 use super::style::theme;
@@ -45,8 +46,8 @@ impl Lab {
     fn flat(&mut self, ui: &mut Ui, theme: &Theme, scales: &Scales) {
         let titles: Vec<String> = self.shown.iter().map(|shown| self.title(shown)).collect();
         let marks = self.marks(theme);
-        let view = &self.settings.view;
-        self.pointed = self.grids.ui(ui, &self.shown, &titles, view, theme, scales, &marks);
+        let manner = Manner { view: &self.settings.view, theme, scales, marks: &marks };
+        self.pointed = self.grids.ui(ui, &self.shown, &titles, &manner);
         if let Some(pointed) = self.pointed {
             if pointed.double_clicked {
                 self.pick(pointed);
