@@ -96,7 +96,7 @@ impl Lab {
     }
 
     /// What went wrong, over the views.
-    fn fault(&mut self, ui: &mut Ui) {
+    pub(super) fn fault(&mut self, ui: &mut Ui) {
         let Some(notice) = self.notice.clone().filter(|notice| notice.error) else { return };
         Frame::group(ui.style()).fill(ui.visuals().faint_bg_color).show(ui, |ui| {
             ui.horizontal(|ui| {
