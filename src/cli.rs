@@ -1,10 +1,14 @@
 //! The headless commands, each a few lines over `study` and `report`.
 
+mod bench;
 mod cells;
+mod compare;
 mod load;
 mod output;
 mod presets;
 mod run;
+mod schemes;
+mod stability;
 
 use std::path::PathBuf;
 
@@ -44,8 +48,16 @@ pub enum Command {
     Run(RunArgs),
     /// Print the light of every cell that is not dark, as CSV or .npy
     Cells(cells::CellsArgs),
+    /// Run presets under several schemes and compare what each makes of them
+    Compare(compare::CompareArgs),
+    /// Measure how fast the loops are
+    Bench(bench::BenchArgs),
+    /// List the propagation schemes with their gains and critical factors
+    Schemes(schemes::SchemesArgs),
     /// List the built-in presets, or write them to a folder
     Presets(presets::PresetsArgs),
+    /// Gains and critical factors of every scheme and size; single precision against double in long runs
+    Stability(stability::StabilityArgs),
     /// Print completions for a shell
     #[command(after_help = "Example:\n  lpv-lab completions bash > ~/.local/share/bash-completion/completions/lpv-lab")]
     Completions {
@@ -86,6 +98,12 @@ impl From<crate::scene::SceneError> for CliError {
     }
 }
 
+impl From<crate::simulation::Divergence> for CliError {
+    fn from(divergence: crate::simulation::Divergence) -> Self {
+        CliError::Failed(format!("{divergence}; use a smaller factor, as `lpv-lab stability PRESET` lists them"))
+    }
+}
+
 impl From<crate::simulation::SimulationError> for CliError {
     fn from(error: crate::simulation::SimulationError) -> Self {
         CliError::Input(error.to_string())
@@ -105,7 +123,11 @@ pub fn execute(command: Command) -> Result<(), CliError> {
     match command {
         Command::Run(args) => run::run(&args),
         Command::Cells(args) => cells::run(&args),
+        Command::Compare(args) => compare::run(&args),
+        Command::Bench(args) => bench::run(&args),
+        Command::Schemes(args) => schemes::run(&args),
         Command::Presets(args) => presets::run(&args),
+        Command::Stability(args) => stability::run(&args),
         Command::Completions { shell } => {
             clap_complete::generate(shell, &mut Cli::command(), "lpv-lab", &mut std::io::stdout());
             Ok(())

@@ -4,6 +4,7 @@
 mod channels;
 mod grid;
 mod index_volume;
+pub mod memory;
 mod octree;
 
 pub use channels::{Channels, Share};

@@ -41,6 +41,8 @@ pub trait Real:
 {
     /// Zero.
     const ZERO: Self;
+    /// The largest finite value, widened.
+    const LARGEST: f64;
     /// The nearest value to `x`.
     fn of(x: f64) -> Self;
     /// This value, widened.
@@ -55,6 +57,7 @@ macro_rules! real {
     ($t:ty) => {
         impl Real for $t {
             const ZERO: Self = 0.0;
+            const LARGEST: f64 = <$t>::MAX as f64;
             #[inline]
             fn of(x: f64) -> Self {
                 x as $t
@@ -153,6 +156,12 @@ impl<T: Real> Sh<T> {
         let Sh(mut c) = self;
         c[1 + axis] = -c[1 + axis];
         Sh(c)
+    }
+
+    /// The function with every direction replaced by its opposite.
+    pub fn reversed(self) -> Self {
+        let Sh([c00, x, y, z]) = self;
+        Sh([c00, -x, -y, -z])
     }
 
     /// The same function in double precision.

@@ -3,30 +3,45 @@
 //!
 //! What each does to the three octrees (000, 3.2.3, 4.2 and 5.1):
 //!
-//! - *Clear* makes everything dark and sets the iteration to 0.
+//! - *Clear* makes everything dark and sets the iteration to 0. Where hard occluders let no light in, the
+//!   index volume is marked: such a cell is sampled at level 0, where it holds what is injected there, if
+//!   anything, and not in a coarse cell that reaches around to the light.
 //! - *Inject* adds the scene's light to level 0 of the source, and of the accumulated light where the
 //!   snapshots count the injection; it marks the index volume.
 //! - *Downsample* sets every coarser level of source and accumulated to the mean of its children; with
 //!   consistent levels, to the light that it takes over one step later ([`levels`]).
 //! - *Propagate* takes every level one iteration further: source to target, target added to
 //!   accumulated, then source and target swap.
-//! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell. A cell that hard
-//!   occluders let no light enter is sampled at level 0, where it holds what was injected there, if anything.
+//! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell.
+//!
+//! A propagation that could take light out of the range of numbers is not done: the light stays as it
+//! was, and [`Simulation::divergence`] tells why.
 
+mod advance;
+mod ceiling;
 mod descent;
+mod engine;
 mod occlusion;
+pub mod options;
 
 use std::fmt;
 
-use crate::field::{Channels, Grid, IndexVolume, Levels, Octree};
+use ceiling::Ceiling;
+pub use ceiling::{Divergence, limit};
+
+use crate::field::{Channels, Grid, IndexVolume, Levels, Octree, memory};
 use crate::propagate::kernel::occluded::{Occluders, Which};
 use crate::propagate::kernel::plain;
 use crate::propagate::levels::{self, Policy, TooLarge};
 use crate::propagate::scheme::{self, Scheme};
 use crate::propagate::stencil::Stencil;
 use crate::scene::Scene;
+use crate::scene::error::nearest;
 use crate::scene::preset::{Propagation, Snapshots};
 use crate::sh::Real;
+
+use engine::Engine;
+use options::Options;
 
 /// What the stepper can be told to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,10 +93,12 @@ pub struct Change {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SimulationError {
     /// No scheme of that name.
-    #[error("unknown scheme \"{name}\"; known schemes: {known}")]
+    #[error("unknown scheme \"{name}\"; {}known schemes: {known}", .nearest.map_or(String::new(), |n| format!("did you mean \"{n}\"? ")))]
     UnknownScheme {
         /// The name asked for.
         name: String,
+        /// The name that it may be meant to be.
+        nearest: Option<&'static str>,
         /// The names there are.
         known: String,
     },
@@ -96,6 +113,21 @@ pub enum SimulationError {
     /// A factor that is too large for the levels' policy.
     #[error(transparent)]
     TooLarge(#[from] TooLarge),
+    /// More light than the machine has memory for.
+    #[error(
+        "a volume of side {size} needs {} of memory and {} are free; the largest size that fits is {largest}",
+        memory::in_words(*needed), memory::in_words(*free)
+    )]
+    Memory {
+        /// The side of the finest level.
+        size: usize,
+        /// Bytes that its light takes.
+        needed: u64,
+        /// Bytes that the machine has left.
+        free: u64,
+        /// The largest side whose light fits.
+        largest: usize,
+    },
 }
 
 /// One channel of light in its three octrees.
@@ -125,22 +157,48 @@ pub struct Simulation<T> {
     lights: Vec<Light<T>>,
     index: IndexVolume,
     iteration: usize,
+    engine: Engine<T>,
+    ceiling: Ceiling,
+    divergence: Option<Divergence>,
 }
 
 impl<T: Real> Simulation<T> {
     /// A dark simulation of `scene`.
     pub fn new(scene: Scene) -> Result<Self, SimulationError> {
+        Self::with_options(scene, Options::default())
+    }
+
+    /// A dark simulation of `scene` that carries its iterations out as `options` say.
+    pub fn with_options(scene: Scene, options: Options) -> Result<Self, SimulationError> {
         let sizes = Levels::new(scene.size, scene.coarsest)
             .ok_or(SimulationError::Sizes { size: scene.size, coarsest: scene.coarsest })?;
         let scheme = known_scheme(&scene.propagation.scheme)?;
         let (stencils, residences) = operators(&scheme, &scene.propagation, sizes)?;
+        let channels = if options.skip.channels { occlusion::channels(&scene) } else { Channels::separate() };
+        refuse_what_does_not_fit::<T>(sizes, channels.count())?;
         let occluders = occlusion::occluders(&scene, sizes, &scheme);
-        let channels = occlusion::channels(&scene);
+        let ceiling = Ceiling::new(&stencils, scene.occlusion.bounce);
+        let engine = Engine::new(&stencils, options);
         let dark = || Octree::new(sizes);
         let light = || Light { source: dark(), target: dark(), accumulated: dark(), merged: None };
         let lights = (0..channels.count()).map(|_| light()).collect();
-        let index = IndexVolume::new(sizes);
-        Ok(Simulation { scene, sizes, channels, stencils, residences, occluders, lights, index, iteration: 0 })
+        let mut index = IndexVolume::new(sizes);
+        occlusion::mark_shut(occluders.as_ref(), &mut index);
+        let divergence = None;
+        Ok(Simulation {
+            scene,
+            sizes,
+            channels,
+            stencils,
+            residences,
+            occluders,
+            lights,
+            index,
+            iteration: 0,
+            engine,
+            ceiling,
+            divergence,
+        })
     }
 
     /// The scene that is simulated.
@@ -173,13 +231,20 @@ impl<T: Real> Simulation<T> {
         self.iteration
     }
 
+    /// Why the last propagation was not done, if it was not: its light could have left the range of numbers.
+    pub fn divergence(&self) -> Option<Divergence> {
+        self.divergence
+    }
+
     /// Takes other settings for the iterations to come; the light stays as it is.
     pub fn set_propagation(&mut self, propagation: Propagation) -> Result<(), SimulationError> {
         let scheme = known_scheme(&propagation.scheme)?;
         (self.stencils, self.residences) = operators(&scheme, &propagation, self.sizes)?;
+        self.engine.set_stencils(&self.stencils);
         if propagation.scheme != self.scene.propagation.scheme {
             self.occluders = occlusion::occluders(&self.scene, self.sizes, &scheme);
         }
+        self.ceiling = Ceiling::new(&self.stencils, self.scene.occlusion.bounce);
         self.scene.propagation = propagation;
         Ok(())
     }
@@ -187,6 +252,10 @@ impl<T: Real> Simulation<T> {
     /// Does one action and tells what it changed.
     pub fn act(&mut self, action: Action) -> Change {
         let lit_before = self.lit();
+        if action != Action::Propagate {
+            self.engine.forget(action);
+        }
+        self.divergence = None;
         let unchanged = Change {
             action,
             iteration: 0,
@@ -198,21 +267,30 @@ impl<T: Real> Simulation<T> {
         };
         let change = match action {
             Action::Clear => {
+                self.ceiling.forget();
                 self.clear();
                 Change { source: true, target: true, accumulated: true, merged: true, ..unchanged }
             }
             Action::Inject => {
+                self.ceiling.forget();
                 let accumulated = self.inject();
                 Change { source: true, accumulated, ..unchanged }
             }
             Action::Downsample => {
+                self.ceiling.forget();
                 self.downsample();
                 Change { source: true, accumulated: true, ..unchanged }
             }
-            Action::Propagate => {
-                self.propagate();
-                Change { source: true, target: true, accumulated: true, ..unchanged }
-            }
+            Action::Propagate => match self.ceiling.admit(self.iteration + 1, &self.lights, &self.index) {
+                Ok(()) => {
+                    self.propagate();
+                    Change { source: true, target: true, accumulated: true, ..unchanged }
+                }
+                Err(divergence) => {
+                    self.divergence = Some(divergence);
+                    unchanged
+                }
+            },
             Action::Merge => {
                 self.merge();
                 Change { merged: true, ..unchanged }
@@ -223,17 +301,20 @@ impl<T: Real> Simulation<T> {
 
     /// Clear, inject, downsample, as many iterations as the scene asks for, merge; `watch` sees the
     /// simulation after the downsampling (iteration 0) and after every iteration, and returns whether to
-    /// go on.
+    /// go on. Where the light diverges the iterations end early, and [`Self::divergence`] tells of it.
     pub fn run(&mut self, mut watch: impl FnMut(&Self) -> bool) {
         for action in [Action::Clear, Action::Inject, Action::Downsample] {
             self.act(action);
         }
         let mut go_on = watch(self);
-        while go_on && self.iteration < self.scene.propagation.iterations {
+        while go_on && self.iteration < self.scene.propagation.iterations && !self.is_done() {
             self.act(Action::Propagate);
+            if self.divergence.is_some() {
+                break;
+            }
             go_on = watch(self);
         }
-        self.act(Action::Merge);
+        self.merge();
     }
 
     /// Cells, over all levels, that have received light.
@@ -249,6 +330,7 @@ impl<T: Real> Simulation<T> {
             light.merged = None;
         }
         self.index.clear();
+        occlusion::mark_shut(self.occluders.as_ref(), &mut self.index);
         self.iteration = 0;
     }
 
@@ -289,24 +371,6 @@ impl<T: Real> Simulation<T> {
         }
     }
 
-    fn propagate(&mut self) {
-        let keep_source = self.iteration == 0 && self.scene.propagation.snapshots == Snapshots::CopyFirst;
-        let occluders = acting(&self.occluders, self.iteration + 1);
-        for (colour, light) in self.lights.iter_mut().enumerate() {
-            for (i, stencil) in self.stencils.iter().enumerate() {
-                let (source, target) = (light.source.level(i), light.target.level_mut(i));
-                step(occluders, stencil, Which { level: i, colour }, source, target);
-                if keep_source {
-                    target.add_grid(source);
-                }
-                self.index.level_mut(i).mark_lit(target);
-                light.accumulated.level_mut(i).add_grid(target);
-            }
-            std::mem::swap(&mut light.source, &mut light.target);
-        }
-        self.iteration += 1;
-    }
-
     fn merge(&mut self) {
         for channel in 0..self.lights.len() {
             let mut merged = self.lights[channel].merged.take().unwrap_or_else(|| Grid::new(self.sizes.finest()));
@@ -318,12 +382,20 @@ impl<T: Real> Simulation<T> {
     /// Sets `merged` to the sample S(x, y, z) of a channel's accumulated octree at every finest cell, as
     /// merging does.
     pub fn sample(&self, channel: usize, merged: &mut Grid<T>) {
-        let accumulated = &self.lights[channel].accumulated;
-        self.index.merge(accumulated, merged);
-        if let Some((Occluders::Hard(hard), _)) = &self.occluders {
-            hard.barrier.shut().for_each(|cell| merged.set(cell, accumulated.level(0).get(cell)));
-        }
+        self.index.merge(&self.lights[channel].accumulated, merged);
     }
+}
+
+/// Refuses light that the machine has no memory for, before any of it is allocated.
+fn refuse_what_does_not_fit<T>(sizes: Levels, channels: usize) -> Result<(), SimulationError> {
+    let needed = |size: usize| memory::of_simulation::<T>(sizes.with_finest(size), channels);
+    let size = sizes.finest();
+    let Some(free) = memory::free().filter(|free| needed(size) > *free) else { return Ok(()) };
+    let mut largest = size;
+    while largest > 1 && needed(largest) > free {
+        largest /= 2;
+    }
+    Err(SimulationError::Memory { size, needed: needed(size), free, largest })
 }
 
 /// The occluders that act in an iteration, counted from 1.
@@ -358,6 +430,9 @@ fn operators<T: Real>(
 
 /// The scheme of that name, or an error that names those there are.
 pub fn known_scheme(name: &str) -> Result<Scheme, SimulationError> {
-    scheme::find(name)
-        .ok_or_else(|| SimulationError::UnknownScheme { name: name.to_owned(), known: scheme::names().join(", ") })
+    scheme::find(name).ok_or_else(|| SimulationError::UnknownScheme {
+        name: name.to_owned(),
+        nearest: nearest(name, &scheme::names()),
+        known: scheme::names().join(", "),
+    })
 }

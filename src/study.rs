@@ -1,8 +1,11 @@
 //! Questions put to simulations.
 
 pub mod ballistic;
+pub mod benchmark;
+pub mod compare;
 pub mod converged;
 pub mod error;
 pub mod random;
 pub mod reference;
 pub mod stability;
+pub mod stress;

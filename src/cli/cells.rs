@@ -78,6 +78,9 @@ pub fn run(args: &CellsArgs) -> Result<(), CliError> {
     let mut simulation = Simulation::<f32>::new(scene)?;
     args.level.check(simulation.sizes().count())?;
     simulation.run(|_| true);
+    if let Some(divergence) = simulation.divergence() {
+        return Err(divergence.into());
+    }
 
     let share = simulation.channels().rgb()[args.channel as usize];
     let light = &simulation.lights()[share.channel];

@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::CliError;
 use crate::report::raster;
+use crate::report::table::Table;
+use crate::scene::file::write_whole;
 
 /// A folder that exists.
 pub struct Folder(PathBuf);
@@ -20,10 +22,16 @@ impl Folder {
         &self.0
     }
 
-    /// Writes a file in it.
+    /// Writes a file in it, whole or not at all.
     pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
-        let path = self.0.join(name);
-        std::fs::write(&path, bytes).map_err(|e| CliError::cannot_write(&path, e))
+        write_whole(&self.0.join(name), bytes.as_ref()).map_err(|e| CliError::Failed(e.to_string()))
+    }
+
+    /// Writes a table as CSV.
+    pub fn write_table<const N: usize>(&self, name: &str, table: &Table<N>) -> Result<(), CliError> {
+        let mut csv = Vec::new();
+        table.write_csv(&mut csv).map_err(|e| CliError::Failed(format!("{name}: {e}")))?;
+        self.write(name, csv)
     }
 
     /// Writes a drawing as `name`.svg and `name`.png.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::CliError;
+use crate::scene::file::write_whole;
 use crate::scene::{Preset, builtin};
 
 /// Where to write them, if anywhere.
@@ -33,9 +34,9 @@ pub fn run(args: &PresetsArgs) -> Result<(), CliError> {
             continue;
         }
         let parent = path.parent().unwrap_or(folder);
-        std::fs::create_dir_all(parent)
-            .and_then(|()| std::fs::write(&path, text))
-            .map_err(|e| CliError::cannot_write(&path, e))?;
+        std::fs::create_dir_all(parent).map_err(|e| CliError::cannot_write(parent, e))?;
+        // Whole or not at all: a part of a file would be kept the next time.
+        write_whole(&path, text.as_bytes()).map_err(|e| CliError::Failed(e.to_string()))?;
         println!("{}", path.display());
     }
     Ok(())

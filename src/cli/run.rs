@@ -19,6 +19,7 @@ use crate::report::slice::{Axis, Plane, Slice};
 use crate::report::table;
 use crate::simulation::{Light, Simulation};
 use crate::study::error::{self, ErrorRow};
+use crate::study::stability::outlook;
 
 /// What to run, what to look at, where to write.
 #[derive(Args, Debug, Clone)]
@@ -141,6 +142,9 @@ struct Summary<'a> {
 pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let (preset, scene) = args.scene.load()?;
     let plane = plane(args.slice, scene.size, |axis| scene.brightest_slab(axis))?;
+    if let Some(warning) = outlook::warning(&scene) {
+        eprintln!("lpv-lab: warning: {warning}");
+    }
     let mut simulation = Simulation::<f32>::new(scene)?;
     LevelArg::Level(args.level).check(simulation.sizes().count())?;
     let folder = Folder::create(args.out())?;
@@ -150,9 +154,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let seconds = started.elapsed().as_secs_f64() - aside;
 
     let title = if preset.title.is_empty() { args.scene.stem() } else { preset.title.clone() };
-    let mut csv = Vec::new();
-    table::errors(&rows).write_csv(&mut csv).map_err(|e| CliError::Failed(format!("errors.csv: {e}")))?;
-    folder.write("errors.csv", csv)?;
+    folder.write_table("errors.csv", &table::errors(&rows))?;
     let all_levels: Vec<ErrorRow> = rows.iter().filter(|row| row.level.is_none()).copied().collect();
     let plot = ErrorPlot {
         title: &format!("{title}: error after each iteration"),
@@ -189,7 +191,8 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         .map_err(|e| CliError::Failed(format!("summary.ron: {e}")))?;
     folder.write("summary.ron", text.as_bytes())?;
     println!("{} iterations in {seconds:.3} s; results in {}", simulation.iteration(), folder.path().display());
-    Ok(())
+    // What was computed before is written all the same: it is good.
+    simulation.divergence().map_or(Ok(()), |divergence| Err(divergence.into()))
 }
 
 /// Runs the scene with a line for every iteration; the errors, and the seconds that measuring and printing took.

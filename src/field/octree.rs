@@ -18,6 +18,11 @@ impl Levels {
         fits.then_some(Levels { finest, coarsest })
     }
 
+    /// The same with another side of level 0, a power of two; the coarsest level is as small or smaller.
+    pub fn with_finest(&self, finest: usize) -> Self {
+        Levels { finest, coarsest: self.coarsest.min(finest) }
+    }
+
     /// How many levels there are, l.
     pub fn count(&self) -> usize {
         (self.finest / self.coarsest).ilog2() as usize + 1

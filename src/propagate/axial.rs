@@ -12,6 +12,8 @@
 //!   4.26 (16³), 4.08 (32³).
 //! - The clamp works in every iteration, not only in the first: a cell that holds one lobe along an axis
 //!   sends nothing back, where the unclamped sum would have been negative.
+//! - Opposite lights in a cell hold each other back. So an occluder that takes one away may turn the other
+//!   from a border, and then a small open volume keeps up to 0.05 % more light than without the occluder.
 
 use std::f64::consts::PI;
 

@@ -13,6 +13,7 @@
 //!   direction part of a uniform field gains 0.1423 at p = 1.
 //! - With open borders the iteration grows without bound above p = 18.56 (2³), 6.50 (4³), 4.70 (8³),
 //!   4.20 (16³), 4.06 (32³).
+//! - Opposite lights in a cell hold each other back, as in [`super::axial`].
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 

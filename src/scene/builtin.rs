@@ -3,6 +3,8 @@
 use std::io;
 use std::path::PathBuf;
 
+use super::file::write_whole;
+
 macro_rules! presets {
     ($($name:literal),* $(,)?) => {
         &[$(($name, include_str!(concat!("../../presets/", $name, ".ron")))),*]
@@ -46,7 +48,8 @@ pub fn folder() -> io::Result<PathBuf> {
         if let Some(parent) = path.parent() {
             std::fs::create_dir_all(parent)?;
         }
-        std::fs::write(&path, text)?;
+        // Whole or not at all: other programs of the lab may be reading it.
+        write_whole(&path, text.as_bytes()).map_err(io::Error::other)?;
     }
     Ok(folder)
 }

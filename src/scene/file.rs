@@ -1,11 +1,13 @@
 //! Files, taken with care: only regular ones are opened, none is read beyond a limit, and what is written
 //! is written whole or not at all.
 
+use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
 use std::io::{ErrorKind, Read, Write};
 use std::path::{Component, Path, PathBuf};
 use std::process;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
 
 use super::error::{Problem, SceneError};
 
@@ -71,8 +73,13 @@ pub(super) fn check_relative(path: &Path) -> Result<(), Problem> {
     if depth == 0 { Err(Problem::new("the path names no file", remedy)) } else { Ok(()) }
 }
 
+/// How old an unfinished file is before it counts as left behind by a program that was killed: none takes
+/// that long to write.
+const LEFT_BEHIND: Duration = Duration::from_secs(60);
+
 /// Writes a file whole or not at all: into a new file beside it, onto the disk, then in its place. A link
-/// stays a link, and the file keeps its permissions.
+/// stays a link, and the file keeps its permissions. What a killed program left unfinished beside it is
+/// removed.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), SceneError> {
     let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
     replace(&path, bytes).map_err(|error| {
@@ -91,9 +98,10 @@ fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
         Some(old) if old.permissions().readonly() => return Err(ErrorKind::PermissionDenied.into()),
         _ => {}
     }
-    let mut temporary = std::ffi::OsString::from(".");
-    temporary.push(name);
-    temporary.push(format!(".{}-{}.new", process::id(), WRITTEN.fetch_add(1, Ordering::Relaxed)));
+    remove_left_behind(path, &unfinished_name(name, ""));
+    let number = format!("{}-{}", process::id(), WRITTEN.fetch_add(1, Ordering::Relaxed));
+    let mut temporary = unfinished_name(name, &number);
+    temporary.push(UNFINISHED);
     let temporary = path.with_file_name(temporary);
     let written = (|| {
         let mut file = File::create_new(&temporary)?;
@@ -114,6 +122,37 @@ fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
         let _ = folder.sync_all();
     }
     Ok(())
+}
+
+/// What the names of unfinished files end in.
+const UNFINISHED: &str = ".new";
+
+/// How the name of an unfinished `name` begins: `.name.number`.
+fn unfinished_name(name: &OsStr, number: &str) -> OsString {
+    let mut unfinished = OsString::from(".");
+    unfinished.push(name);
+    unfinished.push(".");
+    unfinished.push(number);
+    unfinished
+}
+
+/// Removes the old unfinished files beside `path` whose names begin with `start`. Where one cannot be
+/// removed it stays: that must not keep anybody from saving.
+fn remove_left_behind(path: &Path, start: &OsStr) {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let between = name.as_encoded_bytes().strip_prefix(start.as_encoded_bytes());
+        let number = between.and_then(|rest| rest.strip_suffix(UNFINISHED.as_bytes()));
+        if !number.is_some_and(|number| number.iter().all(|byte| byte.is_ascii_digit() || *byte == b'-')) {
+            continue;
+        }
+        let age = entry.metadata().and_then(|metadata| metadata.modified()).ok().and_then(|time| time.elapsed().ok());
+        if age.is_some_and(|age| age > LEFT_BEHIND) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
 }
 
 /// The length of a regular file, or why it is none and what to do.
@@ -169,6 +208,27 @@ mod tests {
             assert_eq!(fs::read_to_string(&path).unwrap(), text);
         }
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn what_killed_programs_left_is_removed_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let old = std::time::SystemTime::now() - 2 * LEFT_BEHIND;
+        let kept = [".a.ron.7-0.new.txt", ".a.ron.my-own.new", ".b.ron.7-0.new", "a.ron.7-0.new", ".a.ron.8-1.new"];
+        for name in kept.into_iter().chain([".a.ron.7-0.new", ".a.ron.9-12.new"]) {
+            let file = File::create(at(name)).unwrap();
+            // The last of those kept is being written just now.
+            if name != ".a.ron.8-1.new" {
+                file.set_modified(old).unwrap();
+            }
+        }
+        write_whole(&at("a.ron"), b"text").unwrap();
+        let mut left: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+        let mut expected: Vec<OsString> = kept.into_iter().chain(["a.ron"]).map(OsString::from).collect();
+        left.sort();
+        expected.sort();
+        assert_eq!(left, expected);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What a scene's occluders are to its simulation: which kind of occluders, from which iteration on, and
 //! whether they tint light.
 
-use crate::field::{Channels, Levels};
+use crate::field::{Channels, IndexVolume, Levels};
 use crate::propagate::barrier::Barrier;
 use crate::propagate::geometry::Geometry;
 use crate::propagate::kernel::occluded::{Fuzzy, Hard, Mirrored, Occluders};
@@ -29,15 +29,24 @@ pub(super) fn occluders<T: Real>(scene: &Scene, sizes: Levels, scheme: &Scheme) 
         }
         _ if mirrors => (Occluders::Mirrored(Mirrored { geometry }), 0),
         _ => {
-            let sign = match occlusion.sign {
-                BlockingSign::AlongTravel => 1.0,
-                BlockingSign::AgainstTravel => -1.0,
+            let fuzzy = Fuzzy {
+                geometry,
+                amplifier: T::of(occlusion.amplifier),
+                along_travel: occlusion.sign == BlockingSign::AlongTravel,
+                bounce: T::of(occlusion.bounce),
             };
-            let (amplifier, bounce) = (T::of(sign * occlusion.amplifier), T::of(occlusion.bounce));
-            (Occluders::Fuzzy(Fuzzy { geometry, amplifier, bounce }), occlusion.from_iteration)
+            (Occluders::Fuzzy(fuzzy), occlusion.from_iteration)
         }
     };
     Some(occluders)
+}
+
+/// Sees to it that cells which hard occluders let no light enter are sampled at level 0.
+pub(super) fn mark_shut<T: Real>(occluders: Option<&(Occluders<T>, usize)>, index: &mut IndexVolume) {
+    if let Some((Occluders::Hard(hard), _)) = occluders {
+        let marks = index.level_mut(0);
+        hard.barrier.shut().for_each(|cell| marks.set(cell));
+    }
 }
 
 /// The channels that a scene needs: one a colour where a surface may tint the light, else the fewest.

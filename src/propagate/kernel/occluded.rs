@@ -2,6 +2,7 @@
 //!
 //! Like [`super::plain`] this is a definition: it gathers, cell by cell, what the six neighbours send.
 
+use super::settle;
 use crate::field::{Cell, Grid};
 use crate::propagate::barrier::Barrier;
 use crate::propagate::face::Direction;
@@ -29,9 +30,10 @@ pub enum Occluders<T> {
 pub struct Fuzzy<T> {
     /// The blockers.
     pub geometry: Geometry<T>,
-    /// What a blocker's value is multiplied by before it is limited to 0..1. Where it is positive, blockers
-    /// are evaluated along the light's travel, where negative against it.
+    /// What a blocker's value is multiplied by before it is limited to 0..1.
     pub amplifier: T,
+    /// Whether blockers are evaluated along the light's travel, as NVIDIA does, or against it.
+    pub along_travel: bool,
     /// What reflected light is multiplied by.
     pub bounce: T,
 }
@@ -75,7 +77,7 @@ impl<T: Real> Occluders<T> {
                 Occluders::Mirrored(mirrored) => mirrored.receive(stencil, which, source, cell, d),
                 Occluders::Hard(hard) => hard.receive(stencil, which, source, cell, d),
             };
-            target.set(cell, (0..Direction::ALL.len()).map(receive).sum());
+            target.set(cell, settle((0..Direction::ALL.len()).map(receive).sum()));
         }
     }
 }
@@ -90,6 +92,7 @@ impl<T: Real> Fuzzy<T> {
         let direction = Direction::ALL[d];
         let light = sender(source, cell, direction);
         let near = self.mean(cell, direction.opposite(), |at| self.geometry.lobe(which.level, at));
+        let near = if self.along_travel { near } else { near.reversed() };
         let far = self.mean(cell, direction, |at| self.geometry.lobe(which.level, at));
         let facing = far.eval(direction.opposite().vector()).max(T::ZERO);
         let mut reflected = T::ZERO;
@@ -145,5 +148,105 @@ impl<T: Real> Hard<T> {
             }
         }
         received * passes(cell)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::Levels;
+    use crate::propagate::face::{far_solid_angle, side_solid_angle};
+    use crate::propagate::geometry::Blocker;
+    use crate::propagate::{cascaded, reflective};
+    use crate::sh::SPHERE;
+    use glam::DVec3;
+
+    const RED: Which = Which { level: 0, colour: 0 };
+    const N: usize = 8;
+
+    /// A wall at x = 4 that faces −X, for red light of albedo 0.5.
+    fn wall(opacity: f64) -> Vec<Blocker> {
+        let cells = Grid::<f64>::new(N).layout().cells().filter(|cell| cell[0] == 4);
+        let block = |cell| Blocker { cell, normal: DVec3::NEG_X, opacity, albedo: [0.5, 0.0, 1.0] };
+        cells.map(block).collect()
+    }
+
+    fn geometry(blockers: &[Blocker]) -> Geometry<f64> {
+        Geometry::new(Levels::new(N, 1).unwrap(), blockers)
+    }
+
+    /// What one iteration makes of a unit lobe towards +X in cell (3, 4, 4).
+    fn step(occluders: &Occluders<f64>, stencil: &Stencil<f64>) -> Grid<f64> {
+        let (mut source, mut target) = (Grid::new(N), Grid::new(N));
+        source.set([3, 4, 4], Sh::lobe(DVec3::X));
+        occluders.propagate(stencil, RED, &source, &mut target);
+        target
+    }
+
+    /// The flux of a unit lobe straight ahead and through the four sides, by the formulas of MATH.md section 2.
+    fn flux_ahead() -> (f64, f64) {
+        let value = |cosine: f64| 0.25 + 0.5 * cosine;
+        (value(1.0) * far_solid_angle() / SPHERE, 4.0 * value(2.0 / 5f64.sqrt()) * side_solid_angle() / SPHERE)
+    }
+
+    #[test]
+    fn the_bounce_is_the_documented_multiple_of_the_flux_about_the_walls_normal() {
+        let stencil = Stencil::new(&cascaded::scheme(), 3.0, true);
+        let fuzzy = |bounce| {
+            Occluders::Fuzzy(Fuzzy { geometry: geometry(&wall(1.0)), amplifier: 0.8, along_travel: false, bounce })
+        };
+        // The far corners of cell (4, 4, 4) hold the wall: G = L(−X), facing the light with G · Y(−X) = 3/4.
+        // Nothing lies on the near side, so nothing is occluded.
+        let reflected = step(&fuzzy(0.6), &stencil).get([4, 4, 4]) - step(&fuzzy(0.0), &stencil).get([4, 4, 4]);
+        let (far, sides) = flux_ahead();
+        let expected = Sh::lobe(DVec3::NEG_X) * (3.0 * 0.75 * (far + sides) * 4.8 * 0.5 * 0.6);
+        assert!((reflected - expected).max_norm() < 1e-14, "{reflected:?}, {expected:?}");
+        assert_eq!(step(&fuzzy(0.6), &stencil).get([3, 5, 4]), step(&fuzzy(0.0), &stencil).get([3, 5, 4]));
+    }
+
+    #[test]
+    fn a_walls_front_blocks_against_travel_and_not_along_it() {
+        let stencil = Stencil::new(&cascaded::scheme(), 1.0, true);
+        // Light that enters cell (5, 4, 4) from (4, 4, 4) passes between them, where the wall is.
+        let passed = |along_travel| {
+            let fuzzy =
+                Occluders::Fuzzy(Fuzzy { geometry: geometry(&wall(1.0)), amplifier: 0.8, along_travel, bounce: 0.0 });
+            let (mut source, mut target) = (Grid::new(N), Grid::new(N));
+            source.set([4, 4, 4], Sh::lobe(DVec3::X));
+            fuzzy.propagate(&stencil, RED, &source, &mut target);
+            target.get([5, 4, 4]).0[0] / Sh::<f64>::lobe(DVec3::X).0[0]
+        };
+        let (far, sides) = flux_ahead();
+        let blocked = |cosine: f64| 1.0 - (0.8 * (0.25 + 0.5 * cosine)).max(0.0);
+        let expected = far * blocked(1.0) + sides * blocked(2.0 / 5f64.sqrt());
+        assert!((passed(false) - expected).abs() < 1e-14);
+        // Evaluated along travel, a lobe that faces the light is below zero in each of the five directions.
+        assert!((passed(true) - (far + sides)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_mirror_turns_the_axis_of_travel_and_keeps_opacity_times_albedo() {
+        let stencil = Stencil::new(&reflective::scheme(), 1.0, true);
+        let mirrored = step(&Occluders::Mirrored(Mirrored { geometry: geometry(&wall(0.8)) }), &stencil);
+        let free = step(&Occluders::Mirrored(Mirrored { geometry: geometry(&[]) }), &stencil);
+        let Sh([c00, x, ..]) = free.get([4, 4, 4]);
+        let expected = Sh([c00 * (0.2 + 0.4), x * (0.2 - 0.4), 0.0, 0.0]);
+        assert!((mirrored.get([4, 4, 4]) - expected).max_norm() < 1e-15);
+        assert_eq!(mirrored.get([3, 5, 4]), free.get([3, 5, 4]));
+    }
+
+    #[test]
+    fn a_hard_wall_sends_back_what_would_have_entered_and_passes_nothing() {
+        let stencil = Stencil::new(&reflective::scheme(), 1.0, true);
+        let sizes = Levels::new(N, 1).unwrap();
+        let hard = |bounce| {
+            let barrier = Barrier::new(sizes, &wall(1.0), [[3, 4, 4]]);
+            step(&Occluders::Hard(Hard { barrier, geometry: geometry(&wall(1.0)), bounce }), &stencil)
+        };
+        let free = step(&Occluders::Mirrored(Mirrored { geometry: geometry(&[]) }), &stencil);
+        assert!(hard(1.0).get([4, 4, 4]).is_zero());
+        let Sh([c00, x, ..]) = free.get([4, 4, 4]);
+        assert!((hard(0.6).get([3, 4, 4]) - Sh([0.3 * c00, -0.3 * x, 0.0, 0.0])).max_norm() < 1e-15);
+        assert!(hard(0.0).get([3, 4, 4]).is_zero());
     }
 }

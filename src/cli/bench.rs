@@ -1,0 +1,163 @@
+//! `bench`: how fast the loops are, as a table, `kernels.csv` and a plot.
+
+use std::io::IsTerminal;
+use std::path::PathBuf;
+
+use clap::Args;
+use indicatif::ProgressBar;
+
+use super::CliError;
+use super::output::Folder;
+use crate::report::colour::Theme;
+use crate::report::plot::{Curve, Dash, Figure, Plot};
+use crate::report::table::Table;
+use crate::study::benchmark::{self, BenchmarkError, KernelRow, Pipeline, Plan, THESIS_MILLISECONDS};
+
+/// What to measure, and where to write.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  lpv-lab bench\n  lpv-lab bench --sizes 64,128,256 --threads 1,2 --rounds 7 --out results\n\n\
+                        kernel is aos (the usual array of structures), plain (the definition), fast, fast-clamped, blocked\n\
+                        (several iterations a pass), or a scene: lobe (eight iterations, all levels) and walls-merged (sixteen,\n\
+                        only the merged light wanted), with what was not skipped."
+)]
+pub struct BenchArgs {
+    /// Sides of the volumes, powers of two
+    #[arg(long, value_name = "N,N,...", value_delimiter = ',', default_values_t = [16, 32, 64, 128], value_parser = side)]
+    sizes: Vec<usize>,
+    /// Numbers of threads [default: one, and all cores]
+    #[arg(long, value_name = "T,T,...", value_delimiter = ',', value_parser = threads)]
+    threads: Vec<usize>,
+    /// Rounds over all loops; medians are reported
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
+    rounds: u16,
+    /// The folder for kernels.csv, kernels.svg and kernels.png
+    #[arg(long, value_name = "DIR", default_value = "lpv-lab-results/bench")]
+    out: PathBuf,
+}
+
+fn side(text: &str) -> Result<usize, String> {
+    let side = text.parse().ok().filter(|n: &usize| n.is_power_of_two() && (2..=512).contains(n));
+    side.ok_or_else(|| "a side is a power of two from 2 to 512".to_owned())
+}
+
+fn threads(text: &str) -> Result<usize, String> {
+    let threads = text.parse().ok().filter(|n| (1..=1024).contains(n));
+    threads.ok_or_else(|| "threads are a number from 1 to 1024".to_owned())
+}
+
+impl From<BenchmarkError> for CliError {
+    fn from(error: BenchmarkError) -> Self {
+        CliError::Failed(error.to_string())
+    }
+}
+
+/// Does the command.
+pub fn run(args: &BenchArgs) -> Result<(), CliError> {
+    let folder = Folder::create(args.out.clone())?;
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = match args.threads.as_slice() {
+        [] if cores > 1 => vec![1, cores],
+        [] => vec![1],
+        some => some.to_vec(),
+    };
+    let plan = Plan { sizes: args.sizes.clone(), threads: threads.clone(), rounds: usize::from(args.rounds) };
+    let bar = if std::io::stderr().is_terminal() { ProgressBar::new_spinner() } else { ProgressBar::hidden() };
+    let rows = benchmark::kernels(&plan, |now| {
+        bar.set_message(now.to_owned());
+        bar.tick();
+    })?;
+    bar.finish_and_clear();
+
+    let table = table(&rows);
+    print!("{}", table.to_text());
+    println!("\ntriad_fraction counts {} bytes a cell and iteration", benchmark::BYTES_PER_CELL);
+    for threads in threads {
+        print_pipeline(&Pipeline::measure(threads, 101)?);
+    }
+    let mut csv = Vec::new();
+    table.write_csv(&mut csv).map_err(|e| CliError::Failed(format!("kernels.csv: {e}")))?;
+    folder.write("kernels.csv", csv)?;
+    folder.write_svg_and_png("kernels", &figure(&rows).to_svg())?;
+    println!("\n{}", folder.path().display());
+    Ok(())
+}
+
+/// The rows as `kernels.csv` has them.
+fn table(rows: &[KernelRow]) -> Table<9> {
+    let mut table = Table::new([
+        "scheme",
+        "size",
+        "threads",
+        "kernel",
+        "ns_per_cell",
+        "over_aos",
+        "triad_fraction",
+        "visited",
+        "peak_bytes",
+    ]);
+    for row in rows {
+        table.push([
+            row.scheme.into(),
+            row.size.into(),
+            row.threads.into(),
+            row.kernel.into(),
+            row.ns_per_cell.into(),
+            row.over_aos.into(),
+            row.triad_fraction.into(),
+            row.visited.into(),
+            row.peak_bytes.into(),
+        ]);
+    }
+    table
+}
+
+fn print_pipeline(pipeline: &Pipeline) {
+    let Pipeline { threads, channels, stages, bytes } = pipeline;
+    let stages: Vec<String> = stages.iter().map(|(name, seconds)| format!("{name} {:.3} ms", 1e3 * seconds)).collect();
+    println!(
+        "\nThe thesis's setting (n = 32, four iterations, {channels} channels) on {threads} threads: {}",
+        stages.join(", ")
+    );
+    let milliseconds = 1e3 * pipeline.propagation();
+    println!(
+        "Propagation takes 1/{:.1} of the thesis's {THESIS_MILLISECONDS} ms; light and marks take {:.2} MB",
+        THESIS_MILLISECONDS / milliseconds,
+        *bytes as f64 / 1e6
+    );
+}
+
+/// Time over size of every loop that works on a whole level, cascaded scheme, a plot for each number of threads.
+fn figure(rows: &[KernelRow]) -> Figure {
+    let mut threads: Vec<usize> = rows.iter().map(|row| row.threads).collect();
+    threads.sort_unstable();
+    threads.dedup();
+    let plots = threads.into_iter().map(|threads| {
+        let ours = |row: &&KernelRow| row.threads == threads && row.scheme == "cascaded" && row.visited == 1.0;
+        let mut kernels: Vec<&str> = Vec::new();
+        for row in rows.iter().filter(ours) {
+            if !kernels.contains(&row.kernel) {
+                kernels.push(row.kernel);
+            }
+        }
+        let curves = kernels.into_iter().enumerate().map(|(color, kernel)| {
+            let points = rows.iter().filter(ours).filter(|row| row.kernel == kernel);
+            let points = points.map(|row| [(row.size as f64).log2(), row.ns_per_cell]).collect();
+            Curve { name: kernel.to_owned(), points, color, dash: Dash::Solid }
+        });
+        Plot {
+            title: format!("{threads} {}", if threads == 1 { "thread" } else { "threads" }),
+            x_label: "log₂ of the side n".to_owned(),
+            y_label: "ns per cell and iteration".to_owned(),
+            log_y: true,
+            curves: curves.collect(),
+            marks: Vec::new(),
+        }
+    });
+    Figure {
+        title: "Time of one cell and iteration".to_owned(),
+        plots: plots.collect(),
+        theme: Theme::LIGHT,
+        size: [900, 900],
+    }
+}

@@ -1,0 +1,93 @@
+//! How iterations are carried out. None of it changes a bit of the light, but for the choice of kernel
+//! (rounding) and the tolerance (iterations left out).
+
+pub use crate::propagate::kernel::Instructions;
+
+/// How a simulation carries its iterations out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// The loops to use.
+    pub kernel: Kernel,
+    /// The instruction set of the fast loops.
+    pub instructions: Instructions,
+    /// How many threads; `None` for as many as there are cores.
+    pub threads: Option<usize>,
+    /// Whether several iterations may share one pass over memory where nobody looks in between.
+    pub blocked: bool,
+    /// What is left out because it cannot matter.
+    pub skip: Skip,
+    /// Stop a run once [`super::Simulation::still_to_come`] is at most this; `None` to do every iteration.
+    pub tolerance: Option<f64>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            kernel: Kernel::Fast,
+            instructions: Instructions::Best,
+            threads: None,
+            blocked: true,
+            skip: Skip::default(),
+            tolerance: None,
+        }
+    }
+}
+
+/// Which loops carry an iteration out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Kernel {
+    /// The fast ones wherever the scheme has the shape for them and no occluder acts.
+    #[default]
+    Fast,
+    /// The definition, always.
+    Plain,
+}
+
+/// What is left out because it cannot matter. Each changes no bit of what is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Skip {
+    /// Cells that light cannot have reached yet.
+    pub reach: bool,
+    /// Rows, or their ends, that have gone dark again.
+    pub dark: bool,
+    /// Where only the merged light is wanted: levels and coarse cells that no sample can depend on.
+    pub unmerged: bool,
+    /// Colours that are multiples of others. Takes effect when a simulation is made.
+    pub channels: bool,
+}
+
+impl Default for Skip {
+    fn default() -> Self {
+        Skip { reach: true, dark: true, unmerged: true, channels: true }
+    }
+}
+
+impl Skip {
+    /// Everything is computed.
+    pub const NOTHING: Skip = Skip { reach: false, dark: false, unmerged: false, channels: false };
+}
+
+/// What a run has to leave behind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wanted {
+    /// All light on all levels.
+    Everything,
+    /// The merged light; what the levels hold where no sample looks is left open.
+    Merged,
+}
+
+/// How many cells were computed since the last clear.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Cells that were computed, over all iterations, levels and channels.
+    pub visited: usize,
+    /// Cells there are, counted once for each iteration, level and colour that is carried.
+    pub volume: usize,
+}
+
+impl Work {
+    /// The part of the volume that was computed, 0 to 1; 1 if nothing was to be done.
+    pub fn share(&self) -> f64 {
+        if self.volume == 0 { 1.0 } else { self.visited as f64 / self.volume as f64 }
+    }
+}

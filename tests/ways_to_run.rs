@@ -1,0 +1,186 @@
+//! Whatever way a simulation is run, the light is the same: to the bit where only skipping, threads,
+//! blocking or instruction sets differ, to rounding where the kernel does.
+
+use std::path::Path;
+
+use lpv_lab::field::Grid;
+use lpv_lab::propagate::levels::Policy;
+use lpv_lab::scene::Scene;
+use lpv_lab::scene::preset::Snapshots;
+use lpv_lab::simulation::options::{Instructions, Kernel, Options, Skip, Wanted};
+use lpv_lab::simulation::{Action, Simulation};
+
+const PRESETS: [&str; 5] = ["two-walls.ron", "one-lobe.ron", "mixed.ron", "colours.ron", "opposite-lobes.ron"];
+
+fn preset(name: &str) -> Scene {
+    Scene::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("presets").join(name)).unwrap().1
+}
+
+fn stepped(scene: &Scene, options: Options) -> Simulation<f32> {
+    let mut simulation = Simulation::with_options(scene.clone(), options).unwrap();
+    simulation.run(|_| true);
+    simulation
+}
+
+fn at_once(scene: &Scene, options: Options, wanted: Wanted) -> Simulation<f32> {
+    let mut simulation = Simulation::with_options(scene.clone(), options).unwrap();
+    simulation.run_all(wanted);
+    simulation
+}
+
+/// One way in which nothing is left out, shared or fast but the loop.
+const STRAIGHT: Options = Options {
+    kernel: Kernel::Fast,
+    instructions: Instructions::Baseline,
+    threads: Some(1),
+    blocked: false,
+    skip: Skip { channels: true, ..Skip::NOTHING },
+    tolerance: None,
+};
+
+fn ways() -> Vec<Options> {
+    let skips = [
+        Skip::default(),
+        Skip { reach: false, ..Skip::default() },
+        Skip { dark: false, ..Skip::default() },
+        Skip { channels: true, ..Skip::NOTHING },
+    ];
+    let ways = skips.into_iter().flat_map(|skip| {
+        [(Some(1), true), (Some(2), false), (None, true)].map(|(threads, blocked)| Options {
+            threads,
+            blocked,
+            skip,
+            ..Options::default()
+        })
+    });
+    ways.collect()
+}
+
+#[test]
+fn every_way_leaves_the_same_light_on_all_levels() {
+    for name in PRESETS {
+        for levels in Policy::ALL {
+            let mut scene = preset(name);
+            scene.propagation.levels = levels;
+            let straight = stepped(&scene, STRAIGHT);
+            for options in ways() {
+                for found in [stepped(&scene, options), at_once(&scene, options, Wanted::Everything)] {
+                    assert!(found.lights() == straight.lights(), "{name}, {options:?}");
+                    assert!(found.index() == straight.index(), "{name}, {options:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn where_only_the_merged_light_is_wanted_it_is_the_same() {
+    for name in PRESETS {
+        for iterations in [1, 4, 16, 31] {
+            let mut scene = preset(name);
+            scene.propagation.iterations = iterations;
+            let straight = stepped(&scene, STRAIGHT);
+            for options in ways() {
+                let found = at_once(&scene, options, Wanted::Merged);
+                for (found, wanted) in found.lights().iter().zip(straight.lights()) {
+                    assert!(found.merged == wanted.merged, "{name}, k = {iterations}, {options:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn coarse_cells_that_no_sample_looks_at_are_left_out() {
+    let mut scene = preset("two-walls.ron");
+    scene.propagation.iterations = scene.size;
+    let visited = |wanted| at_once(&scene, Options::default(), wanted).work().visited;
+    // Light from both walls has filled level 0 long before the end: no coarser level is sampled.
+    let finest = scene.size.pow(3) * scene.propagation.iterations;
+    assert!(visited(Wanted::Merged) <= finest);
+    assert!(visited(Wanted::Merged) < visited(Wanted::Everything));
+}
+
+/// ‖found − wanted‖∞ over the largest ‖wanted‖∞.
+fn difference(found: &Grid<f32>, wanted: &Grid<f32>) -> f32 {
+    let most = wanted.iter().map(|(_, light)| light.max_norm()).fold(f32::MIN_POSITIVE, f32::max);
+    found.iter().zip(wanted.iter()).map(|((_, a), (_, b))| (a - b).max_norm() / most).fold(0.0, f32::max)
+}
+
+#[test]
+fn the_fast_loops_give_what_the_definition_gives() {
+    for name in PRESETS {
+        for snapshots in [Snapshots::Thesis, Snapshots::CopyFirst, Snapshots::WithoutInjected] {
+            let mut scene = preset(name);
+            scene.propagation.snapshots = snapshots;
+            let plain = stepped(&scene, Options { kernel: Kernel::Plain, ..Options::default() });
+            let fast = stepped(&scene, Options::default());
+            for (fast, plain) in fast.lights().iter().zip(plain.lights()) {
+                for (fast, plain) in fast.accumulated.levels().iter().zip(plain.accumulated.levels()) {
+                    assert!(difference(fast, plain) < 3e-6, "{name}, {snapshots:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn colours_carried_apart_are_the_multiples_that_sharing_makes_of_them() {
+    let scene = preset("two-walls.ron");
+    let apart = stepped(&scene, Options { skip: Skip { channels: false, ..Skip::default() }, ..Options::default() });
+    let shared = stepped(&scene, Options::default());
+    assert!(apart.lights().len() == 3 && shared.lights().len() == 1);
+    for (colour, share) in shared.channels().rgb().iter().enumerate() {
+        assert_eq!(share.scale, 1.0, "the preset is white");
+        assert!(apart.lights()[colour].accumulated == shared.lights()[share.channel].accumulated);
+    }
+}
+
+#[test]
+fn a_run_that_stops_early_has_left_out_no_more_than_its_bound() {
+    for (name, scheme) in [("two-walls.ron", "cascaded"), ("one-lobe.ron", "cascaded"), ("mixed.ron", "axial")] {
+        let mut scene = preset(name);
+        scene.propagation.scheme = scheme.to_owned();
+        scene.propagation.iterations = 400;
+        for tolerance in [1e-1, 1e-3] {
+            let options = Options { tolerance: Some(tolerance), ..Options::default() };
+            let early = at_once(&scene, options, Wanted::Everything);
+            let bound = early.still_to_come().unwrap();
+            assert!(bound <= tolerance && early.iteration() < 400, "{name}: {bound} after {}", early.iteration());
+            let whole = at_once(&scene, Options::default(), Wanted::Everything);
+            let mut missing = 0.0f64;
+            for (early, whole) in early.lights().iter().zip(whole.lights()) {
+                for (early, whole) in early.accumulated.levels().iter().zip(whole.accumulated.levels()) {
+                    missing = missing.max((whole.energy() - early.energy()) / early.energy());
+                }
+            }
+            assert!(missing <= bound * 1.001, "{name}: {missing} of {bound}");
+            assert!(missing > 0.0);
+            // Stepping stops at the same iteration.
+            assert_eq!(stepped(&scene, options).iteration(), early.iteration());
+        }
+    }
+}
+
+#[test]
+fn actions_in_any_order_never_meet_stale_knowledge() {
+    use Action::{Clear, Downsample, Inject, Merge, Propagate};
+    let orders: [&[Action]; 4] = [
+        &[Inject, Propagate, Propagate, Inject, Propagate, Downsample, Propagate, Merge],
+        &[Propagate, Inject, Downsample, Propagate, Downsample, Propagate, Propagate],
+        &[Inject, Downsample, Propagate, Clear, Inject, Propagate, Merge, Propagate],
+        &[Inject, Propagate, Propagate, Propagate, Clear, Propagate, Inject, Downsample, Propagate, Propagate],
+    ];
+    for order in orders {
+        let run = |options| {
+            let mut simulation = Simulation::<f32>::with_options(preset("mixed.ron"), options).unwrap();
+            order.iter().for_each(|action| {
+                simulation.act(*action);
+            });
+            simulation
+        };
+        let (quick, straight) = (run(Options::default()), run(STRAIGHT));
+        assert!(quick.lights() == straight.lights(), "{order:?}");
+        assert!(quick.index() == straight.index(), "{order:?}");
+    }
+}
