@@ -22,11 +22,9 @@ mod cycle;
 mod halves;
 
 use super::reference;
-use crate::field::{Grid, Marks};
-use crate::propagate::active::Spans;
+use crate::field::Grid;
 use crate::propagate::kernel::form::Form;
-use crate::propagate::kernel::step::step;
-use crate::propagate::kernel::{self, Instructions, Order};
+use crate::propagate::kernel::step::once;
 use crate::propagate::levels::{self, Policy, TooLarge};
 use crate::propagate::stencil::Stencil;
 use crate::scene::occluder::OcclusionMode;
@@ -50,13 +48,17 @@ pub enum Refusal {
     #[error("the fixed point is solved for without occluders; iterate, or set occlusion to Off")]
     Occluders,
     /// The clamp acts in every iteration.
-    #[error("scheme \"{scheme}\" clamps light in every iteration, so its fixed point solves no linear equation; iterate, or switch the clamp off")]
+    #[error(
+        "scheme \"{scheme}\" clamps light in every iteration, so its fixed point solves no linear equation; iterate, or switch the clamp off"
+    )]
     Clamped {
         /// The scheme.
         scheme: String,
     },
     /// The fixed point does not exist, or is too far.
-    #[error("no fixed point was found: the relative residual is {residual:.1e} after {MOST_CYCLES} cycles; use a factor below {factor}")]
+    #[error(
+        "no fixed point was found: the relative residual is {residual:.1e} after {MOST_CYCLES} cycles; use a factor below {factor}"
+    )]
     Diverges {
         /// What was reached.
         residual: f64,
@@ -85,11 +87,7 @@ pub struct Converged {
 /// Solves for the fixed point of the scene's finest level to a relative residual of `tolerance`, which
 /// single precision bounds at about 1e-6. `watch` hears of the residual after every cycle and returns
 /// whether to go on; `None` if it did not want to.
-pub fn solve(
-    scene: &Scene,
-    tolerance: f64,
-    mut watch: impl FnMut(f64) -> bool,
-) -> Result<Option<Converged>, Refusal> {
+pub fn solve(scene: &Scene, tolerance: f64, mut watch: impl FnMut(f64) -> bool) -> Result<Option<Converged>, Refusal> {
     if !scene.blockers.is_empty() && scene.occlusion.mode != OcclusionMode::Off {
         return Err(Refusal::Occluders);
     }
@@ -147,33 +145,9 @@ impl Solver {
                 return Ok((sum, light));
             }
             sum.add_grid(&light);
-            light = self.clamped_step(light);
+            light = once(&self.form, light);
         }
         Err(Refusal::Clamped { scheme: self.propagation.scheme.clone() })
-    }
-
-    fn clamped_step(&self, mut source: Grid<f32>) -> Grid<f32> {
-        let n = source.side();
-        let (mut target, mut marks) = (Grid::new(n), Marks::new(n));
-        let (mut source_spans, mut target_spans) = (Spans::full(n), Spans::dark(n));
-        let order = Order {
-            form: self.form,
-            linear: false,
-            drop_dark: false,
-            cone: None,
-            energy: false,
-            instructions: Instructions::Best,
-        };
-        let mut level = kernel::Level {
-            source: &mut source,
-            source_spans: &mut source_spans,
-            target: &mut target,
-            target_spans: &mut target_spans,
-            sum: None,
-            marks: &mut marks,
-        };
-        step(&order, &mut level, n, None);
-        target
     }
 
     fn in_cone(&self, light: Sh<f32>) -> bool {

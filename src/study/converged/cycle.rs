@@ -57,8 +57,12 @@ impl Level {
     fn relax(&mut self) {
         let (shape, share) = (self.shape, &self.share);
         let [even, odd] = &mut self.a;
-        each_slab(shape, even, |z, out| gather(shape, share, [0, z], self.b[0].slab(shape, z), odd.around(shape, z), out));
-        each_slab(shape, odd, |z, out| gather(shape, share, [1, z], self.b[1].slab(shape, z), even.around(shape, z), out));
+        each_slab(shape, even, |z, out| {
+            gather(shape, share, [0, z], self.b[0].slab(shape, z), odd.around(shape, z), out)
+        });
+        each_slab(shape, odd, |z, out| {
+            gather(shape, share, [1, z], self.b[1].slab(shape, z), even.around(shape, z), out)
+        });
     }
 
     /// Finds what is left of half 0 after half 1 was relaxed; the sum of its squares.
@@ -97,7 +101,8 @@ impl Level {
                     }
                     let at = plane * coarse.plane() + coarse.start(y);
                     let scale = scales[usize::from(plane > 0)];
-                    let [first, second] = if (y + z) % 2 == 0 { [&mut *even, &mut *odd] } else { [&mut *odd, &mut *even] };
+                    let [first, second] =
+                        if (y + z) % 2 == 0 { [&mut *even, &mut *odd] } else { [&mut *odd, &mut *even] };
                     let rows = first[at..].iter_mut().zip(&mut second[at..]);
                     for ((first, second), pair) in rows.zip(sums.chunks_exact(2)) {
                         (*first, *second) = (scale * pair[0], scale * pair[1]);
