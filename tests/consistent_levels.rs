@@ -1,6 +1,8 @@
 //! Levels that agree: the corrected and the merged error of consistent levels against those of the same
 //! factor on all levels.
 
+#![allow(clippy::unwrap_used)]
+
 use std::path::Path;
 
 use lpv_lab::propagate::levels::Policy;
