@@ -264,17 +264,24 @@ fn compute<T: Real, const L: usize>(
     let light = [stretch(c), stretch(x), stretch(y), stretch(z)];
     let begin = start + from;
     let [to_c, to_x, to_y, to_z] = &mut target.planes;
-    let mut out = [
-        Out { target: chunked_mut(&mut to_c[begin..], chunks), sum: None },
-        Out { target: chunked_mut(&mut to_x[begin..], chunks), sum: None },
-        Out { target: chunked_mut(&mut to_y[begin..], chunks), sum: None },
-        Out { target: chunked_mut(&mut to_z[begin..], chunks), sum: None },
-    ];
-    if let Some(sum) = &mut target.sum {
-        for (out, plane) in out.iter_mut().zip(sum) {
-            out.sum = Some(chunked_mut(&mut plane[begin..], chunks));
-        }
-    }
+    let c = chunked_mut(&mut to_c[begin..], chunks);
+    let x = chunked_mut(&mut to_x[begin..], chunks);
+    let y = chunked_mut(&mut to_y[begin..], chunks);
+    let z = chunked_mut(&mut to_z[begin..], chunks);
+    let out = match &mut target.sum {
+        Some([sum_c, sum_x, sum_y, sum_z]) => [
+            Out { target: c, sum: Some(chunked_mut(&mut sum_c[begin..], chunks)) },
+            Out { target: x, sum: Some(chunked_mut(&mut sum_x[begin..], chunks)) },
+            Out { target: y, sum: Some(chunked_mut(&mut sum_y[begin..], chunks)) },
+            Out { target: z, sum: Some(chunked_mut(&mut sum_z[begin..], chunks)) },
+        ],
+        None => [
+            Out { target: c, sum: None },
+            Out { target: x, sum: None },
+            Out { target: y, sum: None },
+            Out { target: z, sum: None },
+        ],
+    };
     let (form, floor, steps): (&Form<T>, T, [usize; 3]) = (&order.form, T::of(FLOOR), layout.steps());
     match (order.linear, form.side.is_some()) {
         (true, _) => row::linear(&form.share, floor, steps, light, out),
