@@ -174,7 +174,7 @@ fn rows<T: Real, const L: usize>(
             tally.visited += run.end - run.start;
             let [to_c, to_x, to_y, to_z] = &target.planes;
             let row = part([to_c, to_x, to_y, to_z], start, start + n);
-            mark(row, run, &mut target.marks[words.clone()]);
+            mark(row, run, &lit, &mut target.marks[words.clone()]);
             if order.energy {
                 add_up(row[0], run, &mut lanes);
             }
@@ -264,17 +264,24 @@ fn compute<T: Real, const L: usize>(
     let light = [stretch(c), stretch(x), stretch(y), stretch(z)];
     let begin = start + from;
     let [to_c, to_x, to_y, to_z] = &mut target.planes;
-    let mut out = [
-        Out { target: chunked_mut(&mut to_c[begin..], chunks), sum: None },
-        Out { target: chunked_mut(&mut to_x[begin..], chunks), sum: None },
-        Out { target: chunked_mut(&mut to_y[begin..], chunks), sum: None },
-        Out { target: chunked_mut(&mut to_z[begin..], chunks), sum: None },
-    ];
-    if let Some(sum) = &mut target.sum {
-        for (out, plane) in out.iter_mut().zip(sum) {
-            out.sum = Some(chunked_mut(&mut plane[begin..], chunks));
-        }
-    }
+    let c = chunked_mut(&mut to_c[begin..], chunks);
+    let x = chunked_mut(&mut to_x[begin..], chunks);
+    let y = chunked_mut(&mut to_y[begin..], chunks);
+    let z = chunked_mut(&mut to_z[begin..], chunks);
+    let out = match &mut target.sum {
+        Some([sum_c, sum_x, sum_y, sum_z]) => [
+            Out { target: c, sum: Some(chunked_mut(&mut sum_c[begin..], chunks)) },
+            Out { target: x, sum: Some(chunked_mut(&mut sum_x[begin..], chunks)) },
+            Out { target: y, sum: Some(chunked_mut(&mut sum_y[begin..], chunks)) },
+            Out { target: z, sum: Some(chunked_mut(&mut sum_z[begin..], chunks)) },
+        ],
+        None => [
+            Out { target: c, sum: None },
+            Out { target: x, sum: None },
+            Out { target: y, sum: None },
+            Out { target: z, sum: None },
+        ],
+    };
     let (form, floor, steps): (&Form<T>, T, [usize; 3]) = (&order.form, T::of(FLOOR), layout.steps());
     match (order.linear, form.side.is_some()) {
         (true, _) => row::linear(&form.share, floor, steps, light, out),
@@ -283,23 +290,22 @@ fn compute<T: Real, const L: usize>(
     }
 }
 
-/// Marks the lit cells of a run; words that are full already are passed over.
+/// Marks the lit cells of a run. Only cells that light may have reached and that have no mark yet are
+/// looked at: few, behind a front that moves a cell an iteration.
 #[inline(always)]
-fn mark<T: Real>(row: [&[T]; 4], run: Run, marks: &mut [u64]) {
-    let words = marks.iter_mut().enumerate().take(run.end.div_ceil(64)).skip(run.start / 64);
-    for (word, marked) in words {
+fn mark<T: Real>([c, x, y, z]: [&[T]; 4], run: Run, lit: &Row, marks: &mut [u64]) {
+    let words = marks.iter_mut().zip(lit).enumerate().take(run.end.div_ceil(64)).skip(run.start / 64);
+    for (word, (marked, lit)) in words {
         let (from, to) = (run.start.max(64 * word), run.end.min(64 * (word + 1)));
         let all = (u64::MAX >> (64 - (to - from))) << (from % 64);
-        if *marked & all == all {
-            continue;
+        let mut open = lit & !*marked & all;
+        while open != 0 {
+            let bit = open.trailing_zeros() as usize;
+            let at = 64 * word + bit;
+            let is_lit = (c[at] != T::ZERO) | (x[at] != T::ZERO) | (y[at] != T::ZERO) | (z[at] != T::ZERO);
+            *marked |= u64::from(is_lit) << bit;
+            open &= open - 1;
         }
-        let [c, x, y, z] = part(row, from, to);
-        let mut bits = 0;
-        for j in 0..to - from {
-            let lit = (c[j] != T::ZERO) | (x[j] != T::ZERO) | (y[j] != T::ZERO) | (z[j] != T::ZERO);
-            bits |= u64::from(lit) << j;
-        }
-        *marked |= bits << (from % 64);
     }
 }
 
