@@ -90,6 +90,7 @@ impl Lab {
                     self.pinned = samples;
                 }
             }
+            News::Warned(line) => self.say(line),
             News::Failed(line) => {
                 self.waiting = None;
                 self.answered = true;

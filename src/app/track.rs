@@ -34,7 +34,12 @@ impl Track {
             Action::Merge => {}
             Action::Clear | Action::Inject | Action::Downsample => self.fixed = true,
         }
-        self.now.act(action)
+        let change = self.now.act(action);
+        if self.now.divergence().is_some() {
+            // The present is still what was just kept as the past.
+            self.past.truncate(self.now.iteration());
+        }
+        change
     }
 
     /// The errors of the present state, by every metric that needs no other run.

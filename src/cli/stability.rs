@@ -258,18 +258,3 @@ fn drift_figure(args: &StabilityArgs, drifts: &[Drift]) -> Figure {
         size: [960, 560],
     }
 }
-
-/// What `run` says before it starts, if a level of the scene will overflow.
-pub fn warning(scene: &Scene) -> Option<String> {
-    let found = outlook::first_to_overflow(scene)?;
-    let percent = 100.0 * (found.growth - 1.0);
-    Some(format!(
-        "the factor {} exceeds {:.2}, the critical one of level {} ({}³): its light grows by {percent:.2} % an iteration \
-         and will overflow about iteration {}",
-        scene.propagation.factor,
-        found.critical,
-        found.level,
-        found.side,
-        found.overflow.unwrap_or_default()
-    ))
-}

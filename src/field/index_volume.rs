@@ -23,6 +23,11 @@ impl Marks {
         Marks { n, words_per_row, words: vec![0; words_per_row * n * n] }
     }
 
+    /// Cells along a side.
+    pub fn side(&self) -> usize {
+        self.n
+    }
+
     /// Whether a cell is marked.
     #[inline]
     pub fn get(&self, [x, y, z]: Cell) -> bool {

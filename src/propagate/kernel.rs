@@ -15,7 +15,6 @@ mod row;
 mod slab;
 pub mod step;
 
-use super::active::Spans;
 use crate::field::{Grid, Marks};
 use crate::sh::{Real, Sh};
 
@@ -39,17 +38,17 @@ fn settle_number<T: Real>(c: T, floor: T) -> T {
     if c.abs() < floor { T::ZERO } else { c }
 }
 
-/// One channel of light on one level, as the fast loops take it. All grids, spans and marks are of one
-/// size; light outside the spans is dark.
+/// One channel of light on one level, as the fast loops take it. All grids and marks are of one
+/// size.
 pub struct Level<'a, T> {
     /// S_k.
     pub source: &'a mut Grid<T>,
     /// Where S_k may be lit.
-    pub source_spans: &'a mut Spans,
+    pub source_lit: &'a mut Marks,
     /// S_{k−1}, to be overwritten.
     pub target: &'a mut Grid<T>,
     /// Where S_{k−1} may be lit.
-    pub target_spans: &'a mut Spans,
+    pub target_lit: &'a mut Marks,
     /// What the new light is added to, if anything.
     pub sum: Option<&'a mut Grid<T>>,
     /// Where light has been.

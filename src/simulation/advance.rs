@@ -11,7 +11,7 @@ use super::engine::Stage;
 use super::options::{Kernel, Options, Wanted, Work};
 use super::{Action, Light, Simulation, acting, step};
 use crate::field::{IndexVolume, Marks};
-use crate::propagate::active::Spans;
+use crate::propagate::active::grown;
 use crate::propagate::kernel::occluded::Which;
 use crate::scene::preset::Snapshots;
 use crate::sh::Real;
@@ -138,13 +138,13 @@ impl<T: Real> Simulation<T> {
         for (i, form) in self.engine.forms.iter().enumerate() {
             let needs = if only_merged && i > 0 {
                 let sampled = sampled(&self.index, i, uncovered.as_ref());
-                let needs = needs(&sampled, self.sizes.side(i), iterations);
+                let needs = needs(&sampled, iterations);
                 uncovered = Some(sampled);
                 Some(needs)
             } else {
                 None
             };
-            let needs: Option<Vec<&Spans>> = needs.as_ref().map(|needs| {
+            let needs: Option<Vec<&Marks>> = needs.as_ref().map(|needs| {
                 // Beyond the end of the list every cell is needed, as in its last entry.
                 (0..iterations).map(|t| &needs[(iterations - 1 - t).min(needs.len() - 1)]).collect()
             });
@@ -187,10 +187,10 @@ fn sampled(index: &IndexVolume, i: usize, finer: Option<&Marks>) -> Marks {
 
 /// What a level has to compute so that the `sampled` cells are right at the end: entry j for the iteration
 /// that j more follow, each one step wider than the one before, until nothing more is gained.
-fn needs(sampled: &Marks, n: usize, iterations: usize) -> Vec<Spans> {
-    let mut needs = vec![Spans::of_marks(n, sampled)];
+fn needs(sampled: &Marks, iterations: usize) -> Vec<Marks> {
+    let mut needs = vec![sampled.clone()];
     while needs.len() < iterations {
-        let wider = needs[needs.len() - 1].grown();
+        let wider = grown(&needs[needs.len() - 1]);
         if wider == needs[needs.len() - 1] {
             break;
         }

@@ -9,8 +9,7 @@
 use std::fmt;
 
 use super::Light;
-use crate::field::{Grid, IndexVolume};
-use crate::propagate::active::Spans;
+use crate::field::{Grid, IndexVolume, Marks};
 use crate::propagate::stencil::Stencil;
 use crate::sh::{K0, K1, LOBE0, LOBE1, Real};
 
@@ -101,9 +100,8 @@ impl Ceiling {
         for (level, bound) in self.levels.iter().enumerate() {
             let mut ceiling = bound.next();
             if !ceiling.fits(limit::<T>()) {
-                let lit = Spans::of_marks(index.sizes().side(level), index.level(level));
                 let largest = |grid: fn(&Light<T>, usize) -> &Grid<T>| {
-                    lights.iter().map(|light| brightest(grid(light, level), &lit)).fold(0.0, f64::max)
+                    lights.iter().map(|light| brightest(grid(light, level), index.level(level))).fold(0.0, f64::max)
                 };
                 let source = largest(|light, level| light.source.level(level));
                 let accumulated = largest(|light, level| light.accumulated.level(level));
@@ -132,15 +130,15 @@ impl Ceiling {
     }
 }
 
-/// The largest magnitude among all coefficients of a grid that is dark outside `lit`.
-fn brightest<T: Real>(grid: &Grid<T>, lit: &Spans) -> f64 {
+/// The largest magnitude among all coefficients of a grid that is dark where `lit` has no bit.
+fn brightest<T: Real>(grid: &Grid<T>, lit: &Marks) -> f64 {
     let n = grid.side();
     let mut most = T::ZERO;
-    for (row, span) in lit.rows().iter().enumerate().filter(|(_, span)| !span.is_empty()) {
+    let rows = lit.words().chunks_exact(lit.words_per_row()).enumerate();
+    for (row, _) in rows.filter(|(_, words)| words.iter().any(|word| *word != 0)) {
         let start = grid.layout().row_start(row % n, row / n);
         for plane in grid.planes() {
-            let stretch = &plane[start + span.from()..start + span.to()];
-            most = stretch.iter().fold(most, |most, c| c.abs().max(most));
+            most = plane[start..start + n].iter().fold(most, |most, c| c.abs().max(most));
         }
     }
     most.to_f64()

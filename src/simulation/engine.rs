@@ -6,8 +6,8 @@ use rayon::ThreadPool;
 
 use super::Action;
 use super::options::{Options, Work};
-use crate::field::{Grid, IndexVolume, Octree};
-use crate::propagate::active::Spans;
+use crate::field::{Grid, IndexVolume, Marks, Octree};
+use crate::propagate::active::everywhere;
 use crate::propagate::kernel::form::Form;
 use crate::propagate::kernel::{Level, Order, Tally, blocked, lies_in_cone, step};
 use crate::propagate::stencil::Stencil;
@@ -29,8 +29,9 @@ pub(super) struct Engine<T> {
 /// What is known of one channel's light on one level.
 #[derive(Clone, Debug)]
 pub(super) struct Known {
-    source: Spans,
-    target: Spans,
+    /// Where source and target may be lit.
+    source: Marks,
+    target: Marks,
     /// Whether the source meets no clamp, now and in all iterations to come.
     linear: bool,
     /// Whether the source is a sum of what the scheme sends, with all faces clamped.
@@ -75,14 +76,14 @@ impl<T: Real> Engine<T> {
     pub(super) fn look(&self, source: &Octree<T>, accumulated: &Octree<T>, index: &IndexVolume) -> Vec<Known> {
         let level = |(i, form): (usize, &Option<Form<T>>)| {
             let (grid, n) = (source.level(i), source.level(i).side());
-            let spans = if self.options.skip.reach { Spans::of_marks(n, index.level(i)) } else { Spans::full(n) };
+            let lit = if self.options.skip.reach { index.level(i).clone() } else { everywhere(n) };
             let linear =
-                form.and_then(|form| form.cone).is_some_and(|r| r.is_infinite() || lies_in_cone(grid, &spans, r));
+                form.and_then(|form| form.cone).is_some_and(|r| r.is_infinite() || lies_in_cone(grid, &lit, r));
             let energy = match self.options.tolerance {
                 Some(_) => [grid.energy(), accumulated.level(i).energy()],
                 None => [0.0; 2],
             };
-            Known { source: spans.clone(), target: spans, linear, of_lobes: false, energy }
+            Known { source: lit.clone(), target: lit, linear, of_lobes: false, energy }
         };
         self.forms.iter().enumerate().map(level).collect()
     }
@@ -118,7 +119,7 @@ impl<T: Real> Stage<'_, T> {
         threads: usize,
         known: &mut Known,
         iterations: usize,
-        needs: Option<&[&Spans]>,
+        needs: Option<&[&Marks]>,
     ) -> usize {
         let (mut done, mut visited) = (0, 0);
         while done < iterations {
@@ -137,14 +138,14 @@ impl<T: Real> Stage<'_, T> {
                 if single { 1 } else { blocked::depth::<T>(self.source.layout(), threads).min(iterations - done) };
             let mut level = Level {
                 source: self.source,
-                source_spans: &mut known.source,
+                source_lit: &mut known.source,
                 target: self.target,
-                target_spans: &mut known.target,
+                target_lit: &mut known.target,
                 sum: Some(self.accumulated),
                 marks: self.index.level_mut(self.level),
             };
             let tally: Tally = if depth == 1 {
-                let pieces = step::pieces(threads, level.source_spans.cells());
+                let pieces = step::pieces(threads, level.source_lit.count());
                 step::step(&order, &mut level, pieces, needs.map(|needs| needs[done]))
             } else {
                 blocked::advance_many(&order, &mut level, depth, threads, needs.map(|needs| &needs[done..done + depth]))

@@ -71,8 +71,7 @@ impl Truth {
                 (row, ballistic::moved(simulation)?, truth.light().to_vec())
             }
         };
-        let fitted = found.iter().zip(&expected).map(|(found, expected)| ballistic::l1(found, expected).fitted);
-        Ok((row, fitted.fold(0.0, f64::max)))
+        Ok((row, ballistic::l1(&error::channel_scales(simulation), &found, &expected).fitted))
     }
 }
 
@@ -83,7 +82,7 @@ pub struct Finding {
     pub scheme: String,
     /// The merged light against the reference.
     pub error: ErrorRow,
-    /// The L1 ratio of that error after the scalar that fits best, of the worst channel: renderers scale by taste.
+    /// The L1 ratio of that error after the scalar that fits best: renderers scale by taste.
     pub l1_fitted: f64,
     /// The light of the last snapshot over that injected, on level 0: 1 where none is lost.
     pub energy_left: f64,

@@ -13,11 +13,10 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::carve::{Planes, Tied, cut_spans, runs};
+use super::carve::{Planes, Tied, cut_marks, runs, slab_of};
 use super::slab::advance;
 use super::{Level, Order, Tally};
-use crate::field::Layout;
-use crate::propagate::active::{Span, Spans};
+use crate::field::{Layout, Marks};
 use crate::sh::Real;
 
 /// Memory that the slabs under the wave may take, in bytes, all threads together.
@@ -43,7 +42,7 @@ pub fn advance_many<T: Real>(
     level: &mut Level<'_, T>,
     iterations: usize,
     threads: usize,
-    need: Option<&[&Spans]>,
+    need: Option<&[&Marks]>,
 ) -> Tally {
     let (layout, n) = (level.source.layout(), level.source.side());
     // A run must be wide enough that the wedges on its two sides do not meet.
@@ -74,14 +73,14 @@ struct Pass<'a, T> {
     order: &'a Order<T>,
     layout: Layout,
     iterations: usize,
-    need: Option<&'a [&'a Spans]>,
+    need: Option<&'a [&'a Marks]>,
 }
 
 /// A run of slabs with all that is written in it: source and target, then sum and marks.
 struct Part<'a, T> {
     slabs: Range<usize>,
     light: [Planes<'a, T>; 2],
-    spans: [&'a mut [Span]; 2],
+    lit: [&'a mut [u64]; 2],
     tied: Tied<'a, T>,
 }
 
@@ -96,11 +95,11 @@ impl<T: Real> Pass<'_, T> {
         range: impl Fn(&Range<usize>, usize) -> Range<usize> + Sync,
     ) -> Tally {
         let light = Planes::cut(level.source, ends).into_iter().zip(Planes::cut(level.target, ends));
-        let spans = cut_spans(level.source_spans, ends).into_iter().zip(cut_spans(level.target_spans, ends));
-        let tied = Tied::cut(level.sum.as_deref_mut(), level.marks, self.layout.side(), ends);
-        let parts = runs(ends).zip(light).zip(spans.zip(tied)).enumerate().filter(|(run, _)| wanted(*run));
+        let lit = cut_marks(level.source_lit, ends).into_iter().zip(cut_marks(level.target_lit, ends));
+        let tied = Tied::cut(level.sum.as_deref_mut(), level.marks, ends);
+        let parts = runs(ends).zip(light).zip(lit.zip(tied)).enumerate().filter(|(run, _)| wanted(*run));
         let parts: Vec<Part<'_, T>> = parts
-            .map(|(_, ((slabs, (a, b)), ((c, d), tied)))| Part { slabs, light: [a, b], spans: [c, d], tied })
+            .map(|(_, ((slabs, (a, b)), ((c, d), tied)))| Part { slabs, light: [a, b], lit: [c, d], tied })
             .collect();
         let run = |mut part: Part<'_, T>| self.wave(&mut part, &range);
         let tallies: Vec<Tally> = match parts.len() {
@@ -111,7 +110,6 @@ impl<T: Real> Pass<'_, T> {
     }
 
     fn wave(&self, part: &mut Part<'_, T>, range: &impl Fn(&Range<usize>, usize) -> Range<usize>) -> Tally {
-        let n = self.layout.side();
         let mut tally = Tally::NONE;
         for front in part.slabs.start..part.slabs.end + self.iterations {
             for t in 0..self.iterations.min(front + 1) {
@@ -120,13 +118,12 @@ impl<T: Real> Pass<'_, T> {
                     continue;
                 }
                 let [a, b] = &mut part.light;
-                let [a_spans, b_spans] = &mut part.spans;
-                let (from, from_spans, to, to_spans) =
-                    if t % 2 == 0 { (a, a_spans, b, b_spans) } else { (b, b_spans, a, a_spans) };
-                let need = self.need.map(|need| &need[t].rows()[z * n..(z + 1) * n]);
+                let [a_lit, b_lit] = &mut part.lit;
+                let (from, from_lit, to, to_lit) = if t % 2 == 0 { (a, a_lit, b, b_lit) } else { (b, b_lit, a, a_lit) };
+                let need = self.need.map(|need| slab_of(need[t], z));
                 let local = z - part.slabs.start;
-                let mut target = part.tied.target(self.layout, local, to, to_spans);
-                tally = tally.and(advance(self.order, self.layout, from.source(from_spans), local, &mut target, need));
+                let mut target = part.tied.target(self.layout, local, to, to_lit);
+                tally = tally.and(advance(self.order, self.layout, from.source(from_lit), local, &mut target, need));
             }
         }
         tally

@@ -5,7 +5,6 @@ use std::ops::Range;
 
 use super::slab::{Source, Target};
 use crate::field::{Grid, Layout, Marks};
-use crate::propagate::active::{Span, Spans};
 use crate::sh::Real;
 
 /// The parts of four planes that belong to a run of slabs. The first run of a grid takes the padding
@@ -30,8 +29,8 @@ impl<'a, T: Real> Planes<'a, T> {
     }
 
     /// The same parts, to read.
-    pub(super) fn source<'b>(&'b self, spans: &'b [Span]) -> Source<'b, T> {
-        Source { planes: self.planes.each_ref().map(|plane| &**plane), spans, first: self.first }
+    pub(super) fn source<'b>(&'b self, lit: &'b [u64]) -> Source<'b, T> {
+        Source { planes: self.planes.each_ref().map(|plane| &**plane), lit, first: self.first }
     }
 
     /// Slab number `z` of the run, without the padding around it.
@@ -50,14 +49,12 @@ pub(super) struct Tied<'a, T> {
 
 impl<'a, T: Real> Tied<'a, T> {
     /// Sum and marks cut in runs that end at the given slabs.
-    pub(super) fn cut(sum: Option<&'a mut Grid<T>>, marks: &'a mut Marks, n: usize, ends: &[usize]) -> Vec<Self> {
+    pub(super) fn cut(sum: Option<&'a mut Grid<T>>, marks: &'a mut Marks, ends: &[usize]) -> Vec<Self> {
         let sums: Vec<Option<Planes<'a, T>>> = match sum {
             Some(grid) => Planes::cut(grid, ends).into_iter().map(Some).collect(),
             None => ends.iter().map(|_| None).collect(),
         };
-        let words = n * marks.words_per_row();
-        let ends: Vec<usize> = ends.iter().map(|z| z * words).collect();
-        let marks = carve(marks.words_mut(), &ends);
+        let marks = cut_marks(marks, ends);
         sums.into_iter().zip(marks).map(|(sum, marks)| Tied { sum, marks }).collect()
     }
 
@@ -67,24 +64,29 @@ impl<'a, T: Real> Tied<'a, T> {
         layout: Layout,
         z: usize,
         light: &'b mut Planes<'_, T>,
-        spans: &'b mut [Span],
+        lit: &'b mut [u64],
     ) -> Target<'b, T> {
-        let n = layout.side();
-        let words = self.marks.len() / (spans.len() / n);
+        let words = layout.side() * layout.side().div_ceil(64);
         Target {
             planes: light.slab(layout, z),
-            spans: &mut spans[z * n..(z + 1) * n],
+            lit: &mut lit[z * words..(z + 1) * words],
             sum: self.sum.as_mut().map(|sum| sum.slab(layout, z)),
             marks: &mut self.marks[z * words..(z + 1) * words],
         }
     }
 }
 
-/// The spans of runs that end at the given slabs.
-pub(super) fn cut_spans<'a>(spans: &'a mut Spans, ends: &[usize]) -> Vec<&'a mut [Span]> {
-    let n = spans.side();
-    let ends: Vec<usize> = ends.iter().map(|z| z * n).collect();
-    carve(spans.rows_mut(), &ends)
+/// The words of runs that end at the given slabs.
+pub(super) fn cut_marks<'a>(marks: &'a mut Marks, ends: &[usize]) -> Vec<&'a mut [u64]> {
+    let slab = marks.side() * marks.words_per_row();
+    let ends: Vec<usize> = ends.iter().map(|z| z * slab).collect();
+    carve(marks.words_mut(), &ends)
+}
+
+/// The words of slab number `z`.
+pub(super) fn slab_of(marks: &Marks, z: usize) -> &[u64] {
+    let slab = marks.side() * marks.words_per_row();
+    &marks.words()[z * slab..(z + 1) * slab]
 }
 
 /// The slabs of each run.

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use super::form::Form;
 use super::{FLOOR, Instructions, Level, Order, Tally, blocked, plain, step};
 use crate::field::{Grid, Marks};
-use crate::propagate::active::Spans;
+use crate::propagate::active::everywhere;
 use crate::propagate::scheme;
 use crate::propagate::stencil::Stencil;
 use crate::sh::{Real, Sh};
@@ -64,15 +64,15 @@ fn advance<T: Real>(form: Form<T>, linear: bool, way: Way, iterations: usize, mu
     let order =
         Order { form, linear, drop_dark: way.drop_dark, cone: None, energy: true, instructions: way.instructions };
     let n = run.source.side();
-    let mut source_spans = if way.reach { Spans::of_marks(n, &run.marks) } else { Spans::full(n) };
-    let mut target_spans = Spans::dark(n);
+    let mut source_lit = if way.reach { run.marks.clone() } else { everywhere(n) };
+    let mut target_lit = Marks::new(n);
     let (mut done, mut tally) = (0, Tally::NONE);
     while done < iterations {
         let mut level = Level {
             source: &mut run.source,
-            source_spans: &mut source_spans,
+            source_lit: &mut source_lit,
             target: &mut run.target,
-            target_spans: &mut target_spans,
+            target_lit: &mut target_lit,
             sum: Some(&mut run.sum),
             marks: &mut run.marks,
         };
@@ -85,7 +85,7 @@ fn advance<T: Real>(form: Form<T>, linear: bool, way: Way, iterations: usize, mu
         tally = Tally { visited: tally.visited + found.visited, ..found };
         if depth % 2 == 1 {
             std::mem::swap(&mut run.source, &mut run.target);
-            std::mem::swap(&mut source_spans, &mut target_spans);
+            std::mem::swap(&mut source_lit, &mut target_lit);
         }
         done += depth;
     }

@@ -1,13 +1,13 @@
 //! One slab of a grid (all rows of one z) taken one iteration further, with what may be skipped in it:
-//! light, sum, marks and the bound on where light may be, in one pass.
+//! light, sum, marks and the bits for where light may be, in one pass.
 
 use multiversion::multiversion;
 
 use super::FLOOR;
 use super::form::Form;
 use super::row::{self, Out, Stretch, chunked, chunked_mut};
-use crate::field::{Grid, Layout};
-use crate::propagate::active::{Span, Spans, reached};
+use crate::field::{Grid, Layout, Marks};
+use crate::propagate::active::{Row, reached, row_mask};
 use crate::sh::Real;
 
 /// Cells computed at a time: an AVX-512 register of f32, two of AVX2, four of SSE or NEON.
@@ -32,7 +32,7 @@ pub struct Order<T> {
     pub form: Form<T>,
     /// Whether the linear form may be used; see [`super::form`].
     pub linear: bool,
-    /// Whether rows that have gone dark are dropped from the spans.
+    /// Whether stretches of rows that have gone dark are dropped from the bits.
     pub drop_dark: bool,
     /// The cone to look whether the new light lies in, if that is asked.
     pub cone: Option<f64>,
@@ -71,7 +71,8 @@ impl Tally {
 #[derive(Clone, Copy)]
 pub(super) struct Source<'a, T> {
     pub(super) planes: [&'a [T]; 4],
-    pub(super) spans: &'a [Span],
+    /// Where it may be lit.
+    pub(super) lit: &'a [u64],
     /// Where the first of the slabs begins in the planes.
     pub(super) first: usize,
 }
@@ -79,7 +80,8 @@ pub(super) struct Source<'a, T> {
 /// A slab to write; its planes begin with its first row.
 pub(super) struct Target<'a, T> {
     pub(super) planes: [&'a mut [T]; 4],
-    pub(super) spans: &'a mut [Span],
+    /// Where it may be lit.
+    pub(super) lit: &'a mut [u64],
     pub(super) sum: Option<[&'a mut [T]; 4]>,
     pub(super) marks: &'a mut [u64],
 }
@@ -92,7 +94,7 @@ pub(super) fn advance<T: Real>(
     source: Source<'_, T>,
     z: usize,
     target: &mut Target<'_, T>,
-    need: Option<&[Span]>,
+    need: Option<&[u64]>,
 ) -> Tally {
     match order.instructions {
         Instructions::Best => best(order, layout, source, z, target, need),
@@ -108,7 +110,7 @@ fn best<T: Real>(
     source: Source<'_, T>,
     z: usize,
     target: &mut Target<'_, T>,
-    need: Option<&[Span]>,
+    need: Option<&[u64]>,
 ) -> Tally {
     any(order, layout, source, z, target, need)
 }
@@ -120,7 +122,7 @@ fn avx2<T: Real>(
     source: Source<'_, T>,
     z: usize,
     target: &mut Target<'_, T>,
-    need: Option<&[Span]>,
+    need: Option<&[u64]>,
 ) -> Tally {
     any(order, layout, source, z, target, need)
 }
@@ -132,7 +134,7 @@ fn any<T: Real>(
     source: Source<'_, T>,
     z: usize,
     target: &mut Target<'_, T>,
-    need: Option<&[Span]>,
+    need: Option<&[u64]>,
 ) -> Tally {
     if layout.side() < LANES {
         rows::<T, 1>(order, layout, source, z, target, need)
@@ -148,60 +150,104 @@ fn rows<T: Real, const L: usize>(
     source: Source<'_, T>,
     z: usize,
     target: &mut Target<'_, T>,
-    need: Option<&[Span]>,
+    need: Option<&[u64]>,
 ) -> Tally {
     let n = layout.side();
-    let words = target.marks.len() / n;
+    let per_row = target.marks.len() / n;
     let mut tally = Tally::NONE;
+    if is_dark_around(source.lit, target.marks.len(), z) && target.lit.iter().all(|word| *word == 0) {
+        return tally;
+    }
     for y in 0..n {
-        let mut span = reached(source.spans, n, z * n + y);
+        let words = y * per_row..(y + 1) * per_row;
+        let mut lit = reached(source.lit, n, z * n + y);
         if let Some(need) = need {
-            span = span.intersection(need[y]);
+            lit.iter_mut().zip(&need[words.clone()]).for_each(|(lit, need)| *lit &= need);
         }
-        let wide = span.rounded(L, n);
         let start = y * layout.steps()[1];
-        darken(target, start, target.spans[y], wide);
-        target.spans[y] = span;
-        if span.is_empty() {
-            continue;
-        }
         let at = source.first + z * layout.steps()[2] + start;
-        compute::<T, L>(order, layout, source, at, target, start, wide);
-        tally.visited += wide.len();
-        let [c, x, y_, z_] = &target.planes;
-        let row = [&c[start..start + n], &x[start..start + n], &y_[start..start + n], &z_[start..start + n]];
-        mark(row, wide, &mut target.marks[y * words..(y + 1) * words]);
+        let mut lanes = [T::ZERO; L];
+        let mut from = 0;
+        while let Some(run) = next_run::<T, L>(&lit, n, from, target, start, &words) {
+            from = run.end;
+            compute::<T, L>(order, layout, source, at, target, start, run);
+            tally.visited += run.end - run.start;
+            let [to_c, to_x, to_y, to_z] = &target.planes;
+            let row = part([to_c, to_x, to_y, to_z], start, start + n);
+            mark(row, run, &mut target.marks[words.clone()]);
+            if order.energy {
+                add_up(row[0], run, &mut lanes);
+            }
+            if let (true, Some(cone)) = (tally.in_cone, order.cone) {
+                tally.in_cone = within_cone(part(row, run.start, run.end), cone);
+            }
+            if order.drop_dark {
+                drop_dark::<T, L>(row, run, &mut lit);
+            }
+        }
         if order.energy {
-            tally.energy += sum::<T, L>(row[0], wide);
+            tally.energy += lanes.iter().map(|lane| lane.to_f64()).sum::<f64>();
         }
-        if let (true, Some(cone)) = (tally.in_cone, order.cone) {
-            tally.in_cone = within_cone(part(row, wide.from(), wide.to()), cone);
-        }
-        if order.drop_dark {
-            target.spans[y] = lit_part::<T, L>(row, wide).intersection(span);
-        }
+        target.lit[words].copy_from_slice(&lit[..per_row]);
     }
     tally
 }
 
-/// Clears what an older iteration left in a row outside the stretch that is written now.
+/// Whether slab `z` and the slabs beside it have no bit, of so many `words` a slab.
 #[inline(always)]
-fn darken<T: Real>(target: &mut Target<'_, T>, start: usize, old: Span, new: Span) {
-    let (left, right) = if new.is_empty() {
-        (old, Span::EMPTY)
-    } else {
-        (Span::new(old.from(), old.to().min(new.from())), Span::new(old.from().max(new.to()), old.to()))
-    };
-    for part in [left, right] {
-        if !part.is_empty() {
-            for plane in &mut target.planes {
-                plane[start + part.from()..start + part.to()].fill(T::ZERO);
-            }
-        }
-    }
+fn is_dark_around(lit: &[u64], words: usize, z: usize) -> bool {
+    let around = &lit[z.saturating_sub(1) * words..lit.len().min((z + 2) * words)];
+    around.iter().fold(0, |any, word| any | word) == 0
 }
 
-/// The stretch `wide` of the row that begins at `at` in the source and at `start` in the target.
+/// Cells `start` to before `end` of a row, whole chunks.
+#[derive(Clone, Copy)]
+struct Run {
+    start: usize,
+    end: usize,
+}
+
+/// The next run of chunks from cell `from` on in which a cell may be lit. What an older iteration left in
+/// the chunks on the way there is cleared.
+#[inline(always)]
+fn next_run<T: Real, const L: usize>(
+    lit: &Row,
+    n: usize,
+    from: usize,
+    target: &mut Target<'_, T>,
+    row: usize,
+    words: &std::ops::Range<usize>,
+) -> Option<Run> {
+    let per_row = words.len();
+    if from == 0 && lit[..per_row].iter().all(|word| *word == row_mask(n)) {
+        return Some(Run { start: 0, end: n });
+    }
+    if from == 0 && lit[..per_row].iter().chain(&target.lit[words.clone()]).all(|word| *word == 0) {
+        return None;
+    }
+    let mut start = from;
+    while start < n && chunk(lit[start / 64], start, L) == 0 {
+        if chunk(target.lit[words.start + start / 64], start, L) != 0 {
+            for plane in &mut target.planes {
+                plane[row + start..row + start + L].fill(T::ZERO);
+            }
+        }
+        start += L;
+    }
+    let mut end = start;
+    while end < n && chunk(lit[end / 64], end, L) != 0 {
+        end += L;
+    }
+    (start < n).then_some(Run { start, end })
+}
+
+/// The bits of the chunk of `lanes` cells that begins at cell `x`, out of its word.
+#[inline(always)]
+fn chunk(word: u64, x: usize, lanes: usize) -> u64 {
+    (word >> (x % 64)) & (u64::MAX >> (64 - lanes))
+}
+
+/// A run of the row that begins at `at` in the source and at `start` in the target.
 #[inline(always)]
 fn compute<T: Real, const L: usize>(
     order: &Order<T>,
@@ -210,9 +256,9 @@ fn compute<T: Real, const L: usize>(
     at: usize,
     target: &mut Target<'_, T>,
     start: usize,
-    wide: Span,
+    run: Run,
 ) {
-    let (chunks, from) = (wide.len() / L, wide.from());
+    let (chunks, from) = ((run.end - run.start) / L, run.start);
     let [c, x, y, z] = source.planes;
     let stretch = |plane| Stretch { plane, at: at + from, chunks };
     let light = [stretch(c), stretch(x), stretch(y), stretch(z)];
@@ -237,12 +283,12 @@ fn compute<T: Real, const L: usize>(
     }
 }
 
-/// Marks the lit cells of a row within `wide`; words that are full already are passed over.
+/// Marks the lit cells of a run; words that are full already are passed over.
 #[inline(always)]
-fn mark<T: Real>(row: [&[T]; 4], wide: Span, marks: &mut [u64]) {
-    let words = marks.iter_mut().enumerate().take(wide.to().div_ceil(64)).skip(wide.from() / 64);
+fn mark<T: Real>(row: [&[T]; 4], run: Run, marks: &mut [u64]) {
+    let words = marks.iter_mut().enumerate().take(run.end.div_ceil(64)).skip(run.start / 64);
     for (word, marked) in words {
-        let (from, to) = (wide.from().max(64 * word), wide.to().min(64 * (word + 1)));
+        let (from, to) = (run.start.max(64 * word), run.end.min(64 * (word + 1)));
         let all = (u64::MAX >> (64 - (to - from))) << (from % 64);
         if *marked & all == all {
             continue;
@@ -257,26 +303,26 @@ fn mark<T: Real>(row: [&[T]; 4], wide: Span, marks: &mut [u64]) {
     }
 }
 
-/// The sum of a row's numbers, lane by lane, so that neither spans nor instruction sets change it.
+/// Adds a run's numbers lane by lane, so that neither runs nor instruction sets change the sum.
 #[inline(always)]
-fn sum<T: Real, const L: usize>(plane: &[T], wide: Span) -> f64 {
-    let mut lanes = [T::ZERO; L];
-    for chunk in chunked::<T, L>(&plane[wide.from()..], wide.len() / L) {
+fn add_up<T: Real, const L: usize>(plane: &[T], run: Run, lanes: &mut [T; L]) {
+    for numbers in chunked::<T, L>(&plane[run.start..], (run.end - run.start) / L) {
         for j in 0..L {
-            lanes[j] += chunk[j];
+            lanes[j] += numbers[j];
         }
     }
-    lanes.iter().map(|lane| lane.to_f64()).sum()
 }
 
-/// Whether ‖direction‖ ≤ r·c00 in every cell of a grid that is dark outside `spans`.
-pub fn lies_in_cone<T: Real>(grid: &Grid<T>, spans: &Spans, r: f64) -> bool {
-    let n = grid.side();
+/// Whether ‖direction‖ ≤ r·c00 in every cell of a grid that is dark where `lit` has no bit.
+pub fn lies_in_cone<T: Real>(grid: &Grid<T>, lit: &Marks, r: f64) -> bool {
+    let (n, per_row) = (grid.side(), lit.words_per_row());
     let [c, x, y, z] = grid.planes();
-    spans.rows().iter().enumerate().all(|(row, span)| {
-        let start = grid.layout().row_start(row % n, row / n);
-        within_cone(part([c, x, y, z], start + span.from(), start + span.to()), r)
-    })
+    lit.words().chunks_exact(per_row).enumerate().filter(|(_, words)| words.iter().any(|word| *word != 0)).all(
+        |(row, _)| {
+            let start = grid.layout().row_start(row % n, row / n);
+            within_cone(part([c, x, y, z], start, start + n), r)
+        },
+    )
 }
 
 /// Whether c00 is at least ‖direction‖ / r in every cell, in f64, where no square is lost.
@@ -300,24 +346,25 @@ fn part<T>([c, x, y, z]: [&[T]; 4], from: usize, to: usize) -> [&[T]; 4] {
     [&c[from..to], &x[from..to], &y[from..to], &z[from..to]]
 }
 
-/// What is left of a stretch without the dark chunks at its ends.
+/// Takes the dark chunks at the ends of a run out of the bits.
 #[inline(always)]
-fn lit_part<T: Real, const L: usize>([c, x, y, z]: [&[T]; 4], wide: Span) -> Span {
-    let (from, chunks) = (wide.from(), wide.len() / L);
-    let row: [&[[T; L]]; 4] = [
-        chunked(&c[from..], chunks),
-        chunked(&x[from..], chunks),
-        chunked(&y[from..], chunks),
-        chunked(&z[from..], chunks),
-    ];
+fn drop_dark<T: Real, const L: usize>(row: [&[T]; 4], run: Run, lit: &mut Row) {
+    let chunks = (run.end - run.start) / L;
+    let [c, x, y, z] = part(row, run.start, run.end);
+    let row = [chunked::<T, L>(c, chunks), chunked(x, chunks), chunked(y, chunks), chunked(z, chunks)];
+    let mut drop = |k: usize| {
+        let x = run.start + k * L;
+        lit[x / 64] &= !((u64::MAX >> (64 - L)) << (x % 64));
+    };
     let (mut first, mut end) = (0, chunks);
     while first < end && is_dark(row, first) {
+        drop(first);
         first += 1;
     }
     while first < end && is_dark(row, end - 1) {
         end -= 1;
+        drop(end);
     }
-    Span::new(from + first * L, from + end * L)
 }
 
 #[inline(always)]

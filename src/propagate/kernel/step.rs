@@ -4,11 +4,10 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::carve::{Planes, Tied, cut_spans, runs};
+use super::carve::{Planes, Tied, cut_marks, runs, slab_of};
 use super::slab::{Source, advance};
 use super::{Level, Order, Tally};
-use crate::field::Grid;
-use crate::propagate::active::{Span, Spans};
+use crate::field::{Grid, Marks};
 use crate::sh::Real;
 
 /// Fewer cells than these are not worth waking another thread: about a 32³ grid.
@@ -25,22 +24,22 @@ pub fn pieces(threads: usize, cells: usize) -> usize {
 /// Sets the target to what the source sends, adds it to the sum and marks where it is not dark. Where
 /// `need` is given, cells outside it may be left out. The result does not depend on the `pieces` that
 /// threads share.
-pub fn step<T: Real>(order: &Order<T>, level: &mut Level<'_, T>, pieces: usize, need: Option<&Spans>) -> Tally {
+pub fn step<T: Real>(order: &Order<T>, level: &mut Level<'_, T>, pieces: usize, need: Option<&Marks>) -> Tally {
     let layout = level.source.layout();
     let n = layout.side();
     let pieces = pieces.clamp(1, n);
     let ends: Vec<usize> = (1..=pieces).map(|i| i * n / pieces).collect();
 
-    let source = whole(level.source, level.source_spans);
+    let source = whole(level.source, level.source_lit);
     let light = Planes::cut(level.target, &ends);
-    let spans = cut_spans(level.target_spans, &ends);
-    let tied = Tied::cut(level.sum.as_deref_mut(), level.marks, n, &ends);
-    let parts = light.into_iter().zip(spans).zip(tied).map(|((light, spans), tied)| Part { light, spans, tied });
+    let lit = cut_marks(level.target_lit, &ends);
+    let tied = Tied::cut(level.sum.as_deref_mut(), level.marks, &ends);
+    let parts = light.into_iter().zip(lit).zip(tied).map(|((light, lit), tied)| Part { light, lit, tied });
     let work: Vec<(Range<usize>, Part<'_, T>)> = runs(&ends).zip(parts).collect();
     let run = |(slabs, mut part): (Range<usize>, Part<'_, T>)| -> Vec<Tally> {
         let one = |z: usize| {
-            let need = need.map(|need| &need.rows()[z * n..(z + 1) * n]);
-            let mut target = part.tied.target(layout, z - slabs.start, &mut part.light, part.spans);
+            let need = need.map(|need| slab_of(need, z));
+            let mut target = part.tied.target(layout, z - slabs.start, &mut part.light, part.lit);
             advance(order, layout, source, z, &mut target, need)
         };
         slabs.clone().map(one).collect()
@@ -54,11 +53,11 @@ pub fn step<T: Real>(order: &Order<T>, level: &mut Level<'_, T>, pieces: usize, 
 /// What one piece of work writes.
 struct Part<'a, T> {
     light: Planes<'a, T>,
-    spans: &'a mut [Span],
+    lit: &'a mut [u64],
     tied: Tied<'a, T>,
 }
 
-fn whole<'a, T: Real>(grid: &'a Grid<T>, spans: &'a Spans) -> Source<'a, T> {
+fn whole<'a, T: Real>(grid: &'a Grid<T>, lit: &'a Marks) -> Source<'a, T> {
     let planes = grid.planes().each_ref().map(Vec::as_slice);
-    Source { planes, spans: spans.rows(), first: grid.layout().row_start(0, 0) }
+    Source { planes, lit: lit.words(), first: grid.layout().row_start(0, 0) }
 }

@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::Sample;
 use super::aos::Aos;
 use crate::field::{Grid, Marks};
-use crate::propagate::active::Spans;
+use crate::propagate::active::everywhere;
 use crate::propagate::kernel::form::Form;
 use crate::propagate::kernel::{Instructions, Level, Order, blocked, plain, step};
 use crate::propagate::scheme::Scheme;
@@ -78,7 +78,7 @@ impl Dense {
     pub fn bytes(&self, which: Loop) -> usize {
         match (which, &self.aos) {
             (Loop::Aos, Some(aos)) => aos.bytes(),
-            _ => 3 * self.source.bytes() + size_of_val(self.marks.words()) + 8 * self.source.side().pow(2),
+            _ => 3 * self.source.bytes() + 3 * size_of_val(self.marks.words()),
         }
     }
 
@@ -112,7 +112,7 @@ impl Dense {
         let linear = which != Loop::Clamped;
         let order =
             Order { form, linear, drop_dark: true, cone: None, energy: false, instructions: Instructions::Best };
-        let (mut spans, mut other) = (Spans::full(n), Spans::full(n));
+        let (mut lit, mut other) = (everywhere(n), everywhere(n));
         let threads = rayon::current_num_threads();
         let deepest = if which == Loop::Blocked { blocked::depth::<f32>(self.source.layout(), threads) } else { 1 };
         let (mut done, mut visited) = (0, 0);
@@ -120,9 +120,9 @@ impl Dense {
         while done < ITERATIONS {
             let mut level = Level {
                 source: &mut self.source,
-                source_spans: &mut spans,
+                source_lit: &mut lit,
                 target: &mut self.target,
-                target_spans: &mut other,
+                target_lit: &mut other,
                 sum: Some(&mut self.sum),
                 marks: &mut self.marks,
             };
@@ -134,7 +134,7 @@ impl Dense {
             };
             if depth % 2 == 1 {
                 std::mem::swap(&mut self.source, &mut self.target);
-                std::mem::swap(&mut spans, &mut other);
+                std::mem::swap(&mut lit, &mut other);
             }
             done += depth;
             visited += tally.visited;

@@ -29,24 +29,47 @@ pub struct Outlook {
 /// the preset must ask for, gives some back. Empty where the scene cannot be run.
 pub fn levels(scene: &Scene) -> Vec<Outlook> {
     let Some((scheme, sizes, operators)) = parts(scene) else { return Vec::new() };
-    let propagation = &scene.propagation;
-    let outlook = |(level, operator): (usize, LevelOperator<f64>)| {
-        let side = sizes.side(level);
-        let growth = long_run_growth(&operator.stencil, side);
-        let critical = critical(&scheme, propagation.clamp, propagation.levels, level, side);
-        Outlook { level, side, critical, growth, overflow: overflow(scene, level, side, growth) }
-    };
+    let outlook =
+        |(level, operator): (usize, LevelOperator<f64>)| of_level(scene, &scheme, level, sizes.side(level), &operator);
     operators.into_iter().enumerate().map(outlook).collect()
+}
+
+fn of_level(scene: &Scene, scheme: &Scheme, level: usize, side: usize, operator: &LevelOperator<f64>) -> Outlook {
+    let propagation = &scene.propagation;
+    let growth = long_run_growth(&operator.stencil, side);
+    let critical = critical(scheme, propagation.clamp, propagation.levels, level, side);
+    Outlook { level, side, critical, growth, overflow: overflow(scene, level, side, growth) }
 }
 
 /// The level whose numbers overflow first, if any does. A factor that is safe in a volume without borders
 /// is safe on every level, and costs nothing to tell.
 pub fn first_to_overflow(scene: &Scene) -> Option<Outlook> {
-    let (_, _, operators) = parts(scene)?;
-    if operators.iter().all(|operator| without_borders(&operator.stencil) <= 1.0) {
-        return None;
+    let (scheme, sizes, operators) = parts(scene)?;
+    let mut first: Option<(usize, usize)> = None;
+    for (level, operator) in operators.iter().enumerate() {
+        if without_borders(&operator.stencil) <= 1.0 {
+            continue;
+        }
+        let side = sizes.side(level);
+        let growth = long_run_growth(&operator.stencil, side);
+        let sooner = |k: &usize| first.is_none_or(|(earliest, _)| *k < earliest);
+        if let Some(k) = overflow(scene, level, side, growth).filter(sooner) {
+            first = Some((k, level));
+        }
     }
-    levels(scene).into_iter().filter(|level| level.overflow.is_some()).min_by_key(|level| level.overflow)
+    let (_, level) = first?;
+    Some(of_level(scene, &scheme, level, sizes.side(level), &operators[level]))
+}
+
+/// What people are told before a scene runs, if a level of it will overflow.
+pub fn warning(scene: &Scene) -> Option<String> {
+    let found = first_to_overflow(scene)?;
+    let percent = 100.0 * (found.growth - 1.0);
+    Some(format!(
+        "the factor {} exceeds {:.2}, the critical one of level {} ({}³): its light grows by {percent:.2} % an iteration \
+         and will overflow about iteration {}",
+        scene.propagation.factor, found.critical, found.level, found.side, found.overflow?
+    ))
 }
 
 /// The scheme, the levels and their operators; none where the simulation will refuse one of them.
