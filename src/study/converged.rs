@@ -48,13 +48,17 @@ pub enum Refusal {
     #[error("the fixed point is solved for without occluders; iterate, or set occlusion to Off")]
     Occluders,
     /// The clamp acts in every iteration.
-    #[error("scheme \"{scheme}\" clamps light in every iteration, so its fixed point solves no linear equation; iterate, or switch the clamp off")]
+    #[error(
+        "scheme \"{scheme}\" clamps light in every iteration, so its fixed point solves no linear equation; iterate, or switch the clamp off"
+    )]
     Clamped {
         /// The scheme.
         scheme: String,
     },
     /// The fixed point does not exist, or is too far.
-    #[error("no fixed point was found: the relative residual is {residual:.1e} after {MOST_CYCLES} cycles; use a factor below {factor}")]
+    #[error(
+        "no fixed point was found: the relative residual is {residual:.1e} after {MOST_CYCLES} cycles; use a factor below {factor}"
+    )]
     Diverges {
         /// What was reached.
         residual: f64,
@@ -83,11 +87,7 @@ pub struct Converged {
 /// Solves for the fixed point of the scene's finest level to a relative residual of `tolerance`, which
 /// single precision bounds at about 1e-6. `watch` hears of the residual after every cycle and returns
 /// whether to go on; `None` if it did not want to.
-pub fn solve(
-    scene: &Scene,
-    tolerance: f64,
-    mut watch: impl FnMut(f64) -> bool,
-) -> Result<Option<Converged>, Refusal> {
+pub fn solve(scene: &Scene, tolerance: f64, mut watch: impl FnMut(f64) -> bool) -> Result<Option<Converged>, Refusal> {
     if !scene.blockers.is_empty() && scene.occlusion.mode != OcclusionMode::Off {
         return Err(Refusal::Occluders);
     }

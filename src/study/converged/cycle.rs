@@ -187,7 +187,8 @@ fn mean(share: &Share<f32>, [c, x, y, z]: [Beside<'_>; 4], b: &[f32], out: &mut 
     let (along_x, along_y, along_z) = (x[0], y[1], z[2]);
     for j in 0..out.len() {
         let mean = (c[0][0][j] + c[0][1][j]) + (c[1][0][j] + c[1][1][j]) + (c[2][0][j] + c[2][1][j]);
-        let inward = (along_x[0][j] - along_x[1][j]) + (along_y[0][j] - along_y[1][j]) + (along_z[0][j] - along_z[1][j]);
+        let inward =
+            (along_x[0][j] - along_x[1][j]) + (along_y[0][j] - along_y[1][j]) + (along_z[0][j] - along_z[1][j]);
         out[j] = b[j] + (share.alpha * mean + share.beta * inward);
     }
 }
