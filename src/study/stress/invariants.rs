@@ -197,3 +197,17 @@ fn step_through(
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_that_a_wall_sends_back_at_once_breaks_no_rule() {
+        let text = "(version: 1, size: 2, injectors: [(kind: Single(cell: (1, 0, 1)))],
+            occluders: [(kind: Plane(axis: Y, at: 1), albedo: (0.8, 0.8, 0.8))],
+            occlusion: (mode: Hard, bounce: 0.2), propagation: (scheme: \"axial\", iterations: 3))";
+        let report = check(&Preset::parse(text, Path::new("p.ron")).unwrap());
+        assert_eq!((report.broken, report.iterations), (None, 3));
+    }
+}
