@@ -18,7 +18,7 @@ use crate::simulation::{Action, Simulation, SimulationError};
 pub enum Invariant {
     /// A preset that passes its check can be run.
     Runs,
-    /// No coefficient is NaN or infinite.
+    /// No coefficient is NaN or infinite, and after an iteration none is denormal, which would be slow.
     Finite,
     /// With every face clamped no cell holds negative energy.
     NonNegative,
