@@ -5,6 +5,7 @@ pub mod benchmark;
 pub mod compare;
 pub mod converged;
 pub mod error;
+pub mod pareto;
 pub mod random;
 pub mod reference;
 pub mod stability;

@@ -24,7 +24,7 @@ mod halves;
 use super::reference;
 use crate::field::Grid;
 use crate::propagate::kernel::form::Form;
-use crate::propagate::kernel::plain;
+use crate::propagate::kernel::step::once;
 use crate::propagate::levels::{self, Policy, TooLarge};
 use crate::propagate::stencil::Stencil;
 use crate::scene::occluder::OcclusionMode;
@@ -111,7 +111,7 @@ pub fn solve(scene: &Scene, tolerance: f64, mut watch: impl FnMut(f64) -> bool) 
 
 /// The levels of a scene's octree, down to 2³, as equations.
 struct Solver {
-    stencil: Stencil<f32>,
+    form: Form<f32>,
     cone: f64,
     propagation: Propagation,
     levels: Vec<Level>,
@@ -123,7 +123,8 @@ impl Solver {
         let scheme = known_scheme(&propagation.scheme)?;
         let clamped = || Refusal::Clamped { scheme: propagation.scheme.clone() };
         let stencil = Stencil::<f32>::new(&scheme, propagation.factor, propagation.clamp);
-        let cone = Form::of(&stencil).and_then(|form| form.cone).ok_or_else(clamped)?;
+        let form = Form::of(&stencil).ok_or_else(clamped)?;
+        let cone = form.cone.ok_or_else(clamped)?;
         // 1³ has no neighbours to send to: its light is its own.
         let count = scene.size.ilog2() as usize;
         let operators = levels::operators(&scheme, propagation.factor, false, Policy::Consistent, count)?;
@@ -132,7 +133,7 @@ impl Solver {
             Some(Level::new(scene.size >> i, form.share, operator.residence))
         };
         let levels = operators.iter().enumerate().map(level).collect::<Option<_>>().ok_or_else(clamped)?;
-        Ok(Solver { stencil, cone, propagation, levels })
+        Ok(Solver { form, cone, propagation, levels })
     }
 
     /// The sum of the first snapshots, and the first one that is not clamped any more.
@@ -144,9 +145,7 @@ impl Solver {
                 return Ok((sum, light));
             }
             sum.add_grid(&light);
-            let mut next = Grid::new(injected.side());
-            plain::propagate(&self.stencil, &light, &mut next);
-            light = next;
+            light = once(&self.form, light);
         }
         Err(Refusal::Clamped { scheme: self.propagation.scheme.clone() })
     }

@@ -6,7 +6,6 @@
 //! with j the coarse x.
 
 use crate::field::Grid;
-use crate::sh::Sh;
 
 /// Where the cells of a half lie: slab by slab, in each the four planes, all with a dark border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,10 +86,14 @@ pub fn parity(h: usize, y: usize, z: usize) -> usize {
 pub fn split(grid: &Grid<f32>) -> [Half; 2] {
     let shape = Shape { n: grid.side() };
     let mut halves = [Half::new(shape), Half::new(shape)];
-    for ([x, y, z], light) in grid.iter() {
-        let h = (x + y + z) % 2;
-        for (plane, c) in light.0.into_iter().enumerate() {
-            halves[h].numbers[Half::at(shape, z) + plane * shape.plane() + shape.start(y) + x / 2] = c;
+    for (plane, numbers) in grid.planes().iter().enumerate() {
+        for (y, z) in rows(shape.n) {
+            let row = &numbers[grid.layout().row_start(y, z)..][..shape.n];
+            let at = Half::at(shape, z) + plane * shape.plane() + shape.start(y);
+            for (half, s) in halves.iter_mut().zip([(y + z) % 2, (y + z + 1) % 2]) {
+                let to = &mut half.numbers[at..][..shape.width()];
+                to.iter_mut().zip(row[s..].iter().step_by(2)).for_each(|(to, c)| *to = *c);
+            }
         }
     }
     halves
@@ -99,16 +102,28 @@ pub fn split(grid: &Grid<f32>) -> [Half; 2] {
 /// Adds both halves to a grid.
 pub fn join(halves: &[Half; 2], grid: &mut Grid<f32>) {
     let shape = Shape { n: grid.side() };
-    for cell @ [x, y, z] in grid.layout().cells() {
-        let at = Half::at(shape, z) + shape.start(y) + x / 2;
-        let half = &halves[(x + y + z) % 2];
-        grid.add(cell, Sh(std::array::from_fn(|plane| half.numbers[at + plane * shape.plane()])));
+    let layout = grid.layout();
+    for (plane, numbers) in grid.planes_mut().into_iter().enumerate() {
+        for (y, z) in rows(shape.n) {
+            let row = &mut numbers[layout.row_start(y, z)..][..shape.n];
+            let at = Half::at(shape, z) + plane * shape.plane() + shape.start(y);
+            for (half, s) in halves.iter().zip([(y + z) % 2, (y + z + 1) % 2]) {
+                let from = &half.numbers[at..][..shape.width()];
+                row[s..].iter_mut().step_by(2).zip(from).for_each(|(to, c)| *to += *c);
+            }
+        }
     }
+}
+
+/// Every row (y, z).
+fn rows(n: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..n).flat_map(move |z| (0..n).map(move |y| (y, z)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sh::Sh;
 
     #[test]
     fn what_is_split_is_joined_again() {
