@@ -1,6 +1,6 @@
 //! The window: step the propagation and watch it, put propagators side by side, take the error plots home.
 //!
-//! [`lab`] holds the state and obeys [`command`]s, [`layout`] draws it, and [`worker`] computes on a thread
+//! `lab` holds the state and obeys `command`s, `layout` draws it, and `worker` computes on a thread
 //! of its own, so that the window never waits for a volume.
 
 mod closing;
@@ -13,6 +13,7 @@ mod drops;
 mod errors;
 mod export;
 mod files;
+pub mod frame_cost;
 mod glyphs;
 mod grids;
 mod history;
@@ -21,10 +22,15 @@ mod inspector;
 mod lab;
 mod layout;
 mod legend;
+mod logic;
 mod look;
+mod menu;
 mod mesh;
+mod perform;
 mod settings;
 mod space;
+mod stage;
+mod style;
 mod timeline;
 mod toolbar;
 mod track;

@@ -5,6 +5,7 @@ mod cells;
 mod compare;
 mod load;
 mod output;
+mod pareto;
 mod presets;
 mod run;
 mod schemes;

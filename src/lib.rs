@@ -12,7 +12,7 @@
 //! | 3 | [`propagate`] | what a propagator is, the registry, the loops |
 //! | 2 | [`field`] | grids, octrees, the index volume |
 //! | 1 | [`sh`] | two-band spherical harmonics |
-#![deny(unsafe_code)]
+#![forbid(unsafe_code)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used))]
 
 #[cfg(feature = "app")]

@@ -1,4 +1,5 @@
 //! The program: a headless command, or the window on a preset.
+#![forbid(unsafe_code)]
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

@@ -11,6 +11,8 @@ pub mod face;
 pub mod geometry;
 pub mod kernel;
 pub mod levels;
+pub mod ordinates;
 pub mod reflective;
 pub mod scheme;
 pub mod stencil;
+pub mod transparency;

@@ -3,15 +3,16 @@
 //!
 //! What each does to the three octrees (000, 3.2.3, 4.2 and 5.1):
 //!
-//! - *Clear* makes everything dark and sets the iteration to 0.
+//! - *Clear* makes everything dark and sets the iteration to 0. Where hard occluders let no light in, the
+//!   index volume is marked: such a cell is sampled at level 0, where it holds what is injected there, if
+//!   anything, and not in a coarse cell that reaches around to the light.
 //! - *Inject* adds the scene's light to level 0 of the source, and of the accumulated light where the
 //!   snapshots count the injection; it marks the index volume.
 //! - *Downsample* sets every coarser level of source and accumulated to the mean of its children; with
 //!   consistent levels, to the light that it takes over one step later ([`levels`]).
 //! - *Propagate* takes every level one iteration further: source to target, target added to
 //!   accumulated, then source and target swap.
-//! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell. A cell that hard
-//!   occluders let no light enter is sampled at level 0, where it holds what was injected there, if anything.
+//! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell.
 //!
 //! A propagation that could take light out of the range of numbers is not done: the light stays as it
 //! was, and [`Simulation::divergence`] tells why.
@@ -181,7 +182,8 @@ impl<T: Real> Simulation<T> {
         let dark = || Octree::new(sizes);
         let light = || Light { source: dark(), target: dark(), accumulated: dark(), merged: None };
         let lights = (0..channels.count()).map(|_| light()).collect();
-        let index = IndexVolume::new(sizes);
+        let mut index = IndexVolume::new(sizes);
+        occlusion::mark_shut(occluders.as_ref(), &mut index);
         let divergence = None;
         Ok(Simulation {
             scene,
@@ -328,6 +330,7 @@ impl<T: Real> Simulation<T> {
             light.merged = None;
         }
         self.index.clear();
+        occlusion::mark_shut(self.occluders.as_ref(), &mut self.index);
         self.iteration = 0;
     }
 
@@ -379,11 +382,7 @@ impl<T: Real> Simulation<T> {
     /// Sets `merged` to the sample S(x, y, z) of a channel's accumulated octree at every finest cell, as
     /// merging does.
     pub fn sample(&self, channel: usize, merged: &mut Grid<T>) {
-        let accumulated = &self.lights[channel].accumulated;
-        self.index.merge(accumulated, merged);
-        if let Some((Occluders::Hard(hard), _)) = &self.occluders {
-            hard.barrier.shut().for_each(|cell| merged.set(cell, accumulated.level(0).get(cell)));
-        }
+        self.index.merge(&self.lights[channel].accumulated, merged);
     }
 }
 

@@ -1,5 +1,6 @@
 //! The window, driven by the names of its controls, without a display.
 #![cfg(feature = "app")]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::path::Path;
 
@@ -8,6 +9,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use lpv_lab::app::{Lab, Layer, Light, Settings};
 use lpv_lab::scene::Preset;
+use lpv_lab::study::error::Metric;
 
 type Window = Harness<'static, Option<Lab>>;
 
@@ -97,7 +99,8 @@ fn errors_are_told_for_every_iteration() {
     let mut harness = window(SMALL);
     click(&mut harness, "Run all");
     let lab = lab(&harness);
-    let of_all: Vec<usize> = lab.curves()[0].rows.iter().filter(|r| r.level.is_none()).map(|r| r.iteration).collect();
+    let rows = lab.curves()[0].rows.iter().filter(|row| row.level.is_none() && row.metric == Metric::Thesis);
+    let of_all: Vec<usize> = rows.map(|row| row.iteration).collect();
     assert_eq!(of_all, [0, 1, 2, 3, 4, 5]);
 }
 
@@ -157,14 +160,15 @@ fn a_preset_is_opened_by_its_path_and_a_wrong_one_is_told() {
     answer(&mut harness, &path, "Open");
     assert_eq!(lab(&harness).preset().title, "Other");
     assert_eq!(lab(&harness).shown()[0].slice.side, 4);
-    assert_eq!(lab(&harness).settings().recent, [path.clone()]);
+    assert_eq!(lab(&harness).settings().recent, std::slice::from_ref(&path));
 
     std::fs::write(&path, "(version: 1, size: 4,\n  injector: [])").unwrap();
     harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::O);
     answer(&mut harness, &path, "Open");
     assert_eq!(lab(&harness).preset().title, "Other");
     let told = harness.get_by_label_contains("other.ron:2:");
-    assert!(told.accesskit_node().label().is_some_and(|line| line.contains("injectors")));
+    let told = told.accesskit_node();
+    assert!(told.value().or(told.label()).is_some_and(|line| line.contains("injectors")));
 }
 
 #[test]
@@ -266,7 +270,7 @@ fn curves_and_pictures_are_exported_and_hold_the_numbers() {
         ("Grids as SVG or PNG…", "grids.svg"),
     ] {
         menu(&mut harness, &["File", entry]);
-        answer(&mut harness, &folder.path().join(file), "Save");
+        answer(&mut harness, &folder.path().join(file), "Save to file");
     }
     let rows: Vec<csv::StringRecord> =
         csv::Reader::from_path(folder.path().join("curves.csv")).unwrap().into_records().map(Result::unwrap).collect();
@@ -296,7 +300,7 @@ fn nothing_unsaved_is_lost_without_a_question() {
     assert_eq!(lab(&harness).preset().injectors.len(), 2);
     harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::S);
     let path = folder.path().join("mine.ron");
-    answer(&mut harness, &path, "Save");
+    answer(&mut harness, &path, "Save to file");
     assert_eq!(&Preset::load(&path).unwrap(), lab(&harness).preset());
     menu(&mut harness, &["File", "Built-in presets", "mixed"]);
     assert_eq!(lab(&harness).preset().size, 32);
@@ -348,4 +352,32 @@ fn a_run_is_stopped_and_the_window_is_not_held_up() {
     harness.key_press(egui::Key::Escape);
     settle(&mut harness);
     assert!(lab(&harness).iteration() > 2 && lab(&harness).iteration() < 100_000);
+}
+
+#[test]
+fn kept_curves_stay_beside_those_of_the_next_run() {
+    let mut harness = window(SMALL);
+    click(&mut harness, "Run all");
+    click(&mut harness, "Keep curves");
+    set_number(&mut harness, "Factor p", 2.0);
+    click(&mut harness, "Run all");
+    let curves: Vec<_> = lab(&harness).curves().into_iter().map(|run| (run.name.clone(), run.rows.clone())).collect();
+    assert_eq!(
+        curves.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(),
+        ["cascaded, p = 2", "cascaded, p = 3"]
+    );
+    assert_ne!(curves[0].1, curves[1].1);
+}
+
+#[test]
+fn two_iterations_are_compared() {
+    let mut harness = window(SMALL);
+    click(&mut harness, "Run all");
+    harness.key_press(egui::Key::F3);
+    settle(&mut harness);
+    click(&mut harness, "Two iterations");
+    set_number(&mut harness, "Compared iteration", 2.0);
+    let lab = lab(&harness);
+    assert_eq!(lab.shown().iter().map(|shown| shown.iteration).collect::<Vec<_>>(), [5, 2, 2]);
+    assert!((red(lab, 2, [4, 5]) - (red(lab, 1, [4, 5]) - red(lab, 0, [4, 5]))).abs() < 1e-6);
 }

@@ -5,6 +5,7 @@ use egui::{ComboBox, DragValue, Ui};
 use super::controls::{self, name};
 use super::lab::Lab;
 use super::look::{Light, Pane, State};
+use crate::propagate::levels::Policy;
 use crate::propagate::scheme;
 use crate::scene::Propagation;
 
@@ -79,7 +80,11 @@ pub fn letter(track: usize) -> char {
 /// A propagator in a few words, as titles and legends have it.
 pub fn describe(propagation: &Propagation) -> String {
     let clamp = if propagation.clamp { "" } else { ", no clamp" };
-    format!("{}, p = {}{clamp}", propagation.scheme, propagation.factor)
+    let levels = match propagation.levels {
+        Policy::Same => "",
+        Policy::Consistent => ", consistent",
+    };
+    format!("{}, p = {}{levels}{clamp}", propagation.scheme, propagation.factor)
 }
 
 /// The bar over the compared views.
@@ -88,7 +93,7 @@ pub fn bar(lab: &mut Lab, ui: &mut Ui) {
     let compare = &mut lab.comparison;
     ui.horizontal_wrapped(|ui| {
         ui.selectable_value(&mut compare.sides, Sides::Propagators, "Propagators");
-        ui.selectable_value(&mut compare.sides, Sides::Iterations, "Iterations");
+        ui.selectable_value(&mut compare.sides, Sides::Iterations, "Two iterations");
         ui.separator();
         let combo = ComboBox::from_id_salt("compared light").selected_text(compare.light.name()).width(96.0);
         let combo = combo.show_ui(ui, |ui| {
@@ -127,11 +132,20 @@ pub fn propagators(lab: &mut Lab, ui: &mut Ui) {
                 let factor =
                     DragValue::new(&mut other.factor).range(0.0..=100.0).speed(0.01).max_decimals(6).prefix("p = ");
                 name(&ui.add(factor).on_hover_text("The propagation factor"), &full("factor"));
-                name(&ui.checkbox(&mut other.clamp, "clamp"), &full("clamp"));
                 let remove = format!("Remove propagator {}", letter(i + 1));
                 if controls::small_button(ui, "✖", &remove).clicked() {
                     gone = Some(i);
                 }
+            });
+            ui.horizontal(|ui| {
+                let full = |what: &str| format!("Propagator {} {what}", letter(i + 1));
+                ui.add_space(16.0);
+                let mut consistent = other.levels == Policy::Consistent;
+                let levels = ui.checkbox(&mut consistent, "Consistent levels");
+                let levels = levels.on_hover_text("Levels that agree, in place of one factor for all");
+                name(&levels, &full("consistent levels"));
+                other.levels = if consistent { Policy::Consistent } else { Policy::Same };
+                name(&ui.checkbox(&mut other.clamp, "Clamp"), &full("clamp"));
             });
         });
     }
@@ -165,10 +179,9 @@ mod tests {
     fn propagators_that_are_added_differ_while_they_can() {
         let own = Propagation::default();
         let mut compare = Comparison::default();
-        let known = scheme::names();
-        for i in 1..known.len() {
+        for (i, known) in scheme::names().into_iter().skip(1).enumerate() {
             compare.add(&own);
-            assert_eq!(compare.others[i - 1].scheme, known[i]);
+            assert_eq!(compare.others[i].scheme, known);
         }
     }
 }

@@ -58,6 +58,17 @@ pub const RELATIVE: [Quantity; 2] = [
     Quantity { name: "maximum", value: |row| row.relative_max, dashed: true },
 ];
 
+/// What there is to plot, and how.
+#[derive(Clone, Copy)]
+pub struct Curves<'a> {
+    /// The runs, in the order of their legend.
+    pub runs: &'a [&'a Run],
+    /// The colours.
+    pub theme: &'a Theme,
+    /// The iteration that is seen.
+    pub now: usize,
+}
+
 /// What the plots show.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -97,12 +108,12 @@ impl Plots {
         let metrics: BTreeSet<&str> = runs.iter().flat_map(|run| &run.rows).map(|row| row.metric.name()).collect();
         let shown = self.metric(runs).name();
         if metrics.len() > 1 {
-            let choice = ComboBox::from_id_salt("metric").selected_text(shown).show_ui(ui, |ui| {
+            let choice = ComboBox::from_id_salt("metric").selected_text(shown).width(84.0).show_ui(ui, |ui| {
                 for metric in &metrics {
-                    ui.selectable_value(&mut self.metric, (*metric).to_owned(), *metric);
+                    ui.selectable_value(&mut self.metric, (*metric).to_owned(), *metric).on_hover_text(about(metric));
                 }
             });
-            super::controls::name(&choice.response, "Error metric");
+            super::controls::name(&choice.response.on_hover_text(about(shown)), "Error metric");
         }
         let levels: BTreeSet<usize> = runs.iter().flat_map(|run| &run.rows).filter_map(|row| row.level).collect();
         let text = |level: Option<usize>| level.map_or("All levels".to_owned(), |level| format!("Level {level}"));
@@ -119,27 +130,19 @@ impl Plots {
             .on_hover_text("A logarithmic vertical axis; errors of zero are left out");
     }
 
-    /// Both plots, side by side in the room there is; `now` is the iteration that is seen.
-    pub fn ui(&self, ui: &mut Ui, runs: &[&Run], theme: &Theme, now: usize) {
+    /// Both plots, side by side in the room there is.
+    pub fn ui(&self, ui: &mut Ui, curves: &Curves) {
         let room = ui.available_size();
         let each = vec2(((room.x - 8.0) / 2.0).max(80.0), room.y.max(60.0));
         ui.horizontal_top(|ui| {
             ui.spacing_mut().item_spacing.x = 8.0;
-            self.plot(ui, each, "Absolute error (SH coefficient)", &ABSOLUTE, runs, theme, now);
-            self.plot(ui, each, "Relative error", &RELATIVE, runs, theme, now);
+            self.plot(ui, each, "Absolute error (SH coefficient)", &ABSOLUTE, curves);
+            self.plot(ui, each, "Relative error", &RELATIVE, curves);
         });
     }
 
-    fn plot(
-        &self,
-        ui: &mut Ui,
-        size: egui::Vec2,
-        title: &str,
-        quantities: &[Quantity],
-        runs: &[&Run],
-        theme: &Theme,
-        now: usize,
-    ) {
+    fn plot(&self, ui: &mut Ui, size: egui::Vec2, title: &str, quantities: &[Quantity], curves: &Curves) {
+        let Curves { runs, theme, now } = *curves;
         let log = self.log;
         let metric = self.metric(runs);
         let iterations = runs.iter().flat_map(|run| &run.rows).map(|row| row.iteration).max().unwrap_or(0);
@@ -155,6 +158,7 @@ impl Plots {
             .link_cursor(egui::Id::unique("error plots"), [true, false])
             .grid_color(color(theme.grid))
             .y_axis_min_width(44.0)
+            .x_grid_spacer(iterations_apart)
             .x_axis_formatter(
                 |mark, _| if mark.value.fract() == 0.0 { format!("{}", mark.value) } else { String::new() },
             )
@@ -181,6 +185,17 @@ impl Plots {
             plot.vline(mark.style(LineStyle::dotted_dense()).allow_hover(false));
         });
         super::controls::name(&response.response, title);
+    }
+}
+
+/// What a metric compares, in a line.
+fn about(metric: &str) -> &'static str {
+    match Metric::ALL.into_iter().find(|known| known.name() == metric) {
+        Some(Metric::Thesis) => "Every level against the mean of its children",
+        Some(Metric::Corrected) => "Every level against a uniform volume, downsampled",
+        Some(Metric::Merged) => "The merged light against a uniform volume",
+        Some(Metric::Ballistic) => "The merged light that has moved against what truly arrives",
+        None => "",
     }
 }
 
@@ -211,21 +226,40 @@ fn read_out(position: &HoverPosition<'_>, log: bool) -> String {
     }
 }
 
-/// The lines of a logarithmic axis: one for each power of ten, fewer where they would crowd.
+/// The lines of the axis of iterations: whole numbers, one, two or five times a power of ten apart.
+pub fn iterations_apart(input: GridInput) -> Vec<GridMark> {
+    let (low, high) = input.bounds;
+    let wanted = (high - low) / 8.0;
+    if !wanted.is_finite() || wanted <= 0.0 {
+        return Vec::new();
+    }
+    let power = 10f64.powf(wanted.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|part| part * power).into_iter().find(|step| *step >= wanted);
+    let step = step.unwrap_or(1.0).max(1.0);
+    let places = (low / step).ceil() as i64..=(high / step).floor() as i64;
+    // The spacing tells the plot how bold a line is and whether its number has room.
+    places.map(|i| GridMark { value: i as f64 * step, step_size: 10.0 * input.base_step_size.max(step) }).collect()
+}
+
+/// The lines of a logarithmic axis: one for each power of ten, fewer where they would crowd, and its double
+/// and fivefold where there is room.
 fn decades(input: GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     let step = input.base_step_size.ceil().max(1.0);
     if !(low.is_finite() && high.is_finite()) || (high - low) / step > 1000.0 {
         return Vec::new();
     }
-    let first = (low / step).ceil() as i64;
-    let last = (high / step).floor() as i64;
-    (first..=last).map(|i| GridMark { value: i as f64 * step, step_size: step }).collect()
+    let between: &[f64] = if high - low < 2.5 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+    let powers = (low / step).floor() as i64..=(high / step).floor() as i64;
+    let marks = powers.flat_map(|i| between.iter().map(move |part| i as f64 * step + part.log10()));
+    marks.filter(|value| (low..=high).contains(value)).map(|value| GridMark { value, step_size: step }).collect()
 }
 
-/// A power of ten on an axis; the window's fonts have no raised minus.
+/// A number on an axis, from its logarithm; the window's fonts have no raised minus.
 fn power_of_ten(exponent: f64) -> String {
-    if exponent.fract() == 0.0 { format!("1e{exponent}") } else { String::new() }
+    let power = (exponent + 1e-9).floor();
+    let part = 10f64.powf(exponent - power).round();
+    format!("{part}e{power}")
 }
 
 #[cfg(test)]
@@ -261,7 +295,13 @@ mod tests {
     fn a_log_axis_leaves_out_what_it_cannot_show() {
         assert_eq!(drawn(vec![[0.0, 0.0], [1.0, 0.01], [2.0, f64::NAN]], true), [[1.0, -2.0]]);
         assert_eq!(power_of_ten(-12.0), "1e-12");
-        assert_eq!(power_of_ten(0.5), "");
+        assert_eq!(power_of_ten(5f64.log10() - 3.0), "5e-3");
+        let apart = |high| iterations_apart(GridInput { bounds: (-0.2, high), base_step_size: 0.01 });
+        assert_eq!(apart(5.2).iter().map(|mark| mark.value).collect::<Vec<_>>(), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+        assert_eq!(
+            apart(33.0).iter().map(|mark| mark.value).collect::<Vec<_>>(),
+            [0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0]
+        );
         let marks = decades(GridInput { bounds: (-3.2, 0.4), base_step_size: 0.2 });
         assert_eq!(marks.iter().map(|mark| mark.value).collect::<Vec<_>>(), [-3.0, -2.0, -1.0, 0.0]);
     }

@@ -37,7 +37,7 @@ impl Purpose {
         match self {
             Purpose::Open => "Open",
             Purpose::Injector(_) | Purpose::Occluder(_) => "Use",
-            Purpose::SaveAs | Purpose::Export(_) => "Save",
+            Purpose::SaveAs | Purpose::Export(_) => "Save to file",
         }
     }
 
@@ -73,13 +73,15 @@ struct Question {
 pub struct Files {
     ctx: Context,
     question: Option<Question>,
-    answers: (Sender<(Purpose, PathBuf)>, Receiver<(Purpose, PathBuf)>),
+    answer: Sender<(Purpose, PathBuf)>,
+    answers: Receiver<(Purpose, PathBuf)>,
 }
 
 impl Files {
     /// No question.
     pub fn new(ctx: &Context) -> Self {
-        Files { ctx: ctx.clone(), question: None, answers: channel() }
+        let (answer, answers) = channel();
+        Files { ctx: ctx.clone(), question: None, answer, answers }
     }
 
     /// Asks for a file; `beside` is one whose folder and name are likely.
@@ -93,9 +95,14 @@ impl Files {
         self.question = Some(Question { purpose, text: likely, focused: false, over: None });
     }
 
+    /// Whether a question is on screen.
+    pub fn asks(&self) -> bool {
+        self.question.is_some()
+    }
+
     /// The next file that was chosen.
     pub fn chosen(&mut self) -> Option<(Purpose, PathBuf)> {
-        let answer = self.answers.1.try_recv().ok()?;
+        let answer = self.answers.try_recv().ok()?;
         self.question = None;
         Some(answer)
     }
@@ -165,13 +172,13 @@ impl Files {
 
     fn answer(&self, purpose: Purpose, path: PathBuf) {
         // Both ends live in this struct.
-        let _ = self.answers.0.send((purpose, path));
+        let _ = self.answer.send((purpose, path));
         self.ctx.request_repaint();
     }
 
     /// Opens the system's dialog, which may take as long as it likes.
     fn browse(&self, purpose: Purpose, text: &str) {
-        let (answers, ctx) = (self.answers.0.clone(), self.ctx.clone());
+        let (answer, ctx) = (self.answer.clone(), self.ctx.clone());
         let likely = PathBuf::from(text.trim());
         let dialog = move || {
             let mut dialog = rfd::FileDialog::new().set_title(purpose.title());
@@ -185,7 +192,7 @@ impl Files {
             let chosen = if purpose.writes() { dialog.save_file() } else { dialog.pick_file() };
             if let Some(path) = chosen {
                 // The window may be gone by now.
-                let _ = answers.send((purpose, path));
+                let _ = answer.send((purpose, path));
                 ctx.request_repaint();
             }
         };

@@ -8,14 +8,20 @@ use super::look::Shown;
 use super::mesh::{Ink, color};
 use super::view::{Heat, View};
 use crate::report::colour::Theme;
-use crate::report::glyph::{GlyphScale, Glyphs, Outline, fit, peak};
-use crate::report::slice::SliceCell;
+use crate::report::glyph::{FULL_RADIUS, GlyphScale, Glyphs, Outline, fit, peak};
 
 /// The part of the largest glyphs that may be cut off by their cells where a linear scale follows the light.
 const LINEAR_QUANTILE: f32 = 0.99;
 
 /// The intensity that a scale starts from while all is dark.
 const DARK_FULL: f32 = 1.0;
+
+/// The numbers of points that outlines are made of.
+const POINTS: [usize; 6] = [8, 12, 16, 24, 48, 96];
+/// The smallest radius that is drawn, in points.
+const SMALLEST: f32 = 0.25;
+/// The least distance of edges that are drawn, in points.
+const CLOSEST_EDGES: f32 = 4.0;
 
 /// What is the same for every view, so that they can be compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,15 +50,6 @@ impl Scales {
         };
         let all = shown.iter().flat_map(|shown| (0..shown.slice.cells.len()).filter_map(|i| heat(view, shown, i)));
         Scales { glyph, full, heat: all.fold(0.0, f32::max) }
-    }
-
-    /// How far along a ramp an intensity is, 0 to 1.
-    fn share(&self, intensity: f32) -> f32 {
-        match self.glyph {
-            GlyphScale::Log { full, decades } => 1.0 + (intensity / full).log10() / decades,
-            GlyphScale::Linear { .. } | GlyphScale::PerGlyph => intensity / self.full,
-        }
-        .clamp(0.0, 1.0)
     }
 }
 
@@ -101,39 +98,43 @@ impl Placing {
 /// Draws a slice into one mesh.
 pub fn mesh(shown: &Shown, view: &View, scales: &Scales, theme: &Theme, placing: &Placing) -> Arc<Mesh> {
     let mut ink = Ink::default();
-    let slice = &shown.slice;
-    let visible = |cell: &SliceCell| {
-        let square = placing.square(cell.column, cell.row, cell.span);
-        placing.clip.intersects(square).then_some(square)
-    };
     grounds(&mut ink, shown, view, scales, theme, placing);
     if view.cells {
-        lines(&mut ink, shown, theme, placing, &visible);
+        edges(&mut ink, shown, theme, placing);
     }
     if view.glyphs {
-        let largest = slice.cells.iter().map(|cell| cell.span).max().unwrap_or(1) as f32 * placing.cell;
-        let glyphs = Glyphs::new(slice.plane.axis, scales.glyph, ((largest * 1.5) as usize).clamp(12, 96));
-        let small = Glyphs::new(slice.plane.axis, scales.glyph, ((placing.cell * 1.5) as usize).clamp(12, 96));
-        let negative = view.negative.then_some(color(theme.negative));
-        let mut outline = Outline::default();
-        for cell in &slice.cells {
-            let Some(square) = visible(cell) else { continue };
-            let light = view.hue().of(cell.light);
-            let pen = if cell.span > 1 { &glyphs } else { &small };
-            pen.outline(light, &mut outline);
-            if outline.positive.is_empty() && outline.negative.is_empty() {
-                continue;
-            }
-            let share = scales.share(peak(light, slice.plane.axis));
-            let positive = view.paint().glyph(theme, cell.light, light, slice.plane.axis, share);
-            ink.glyph(&outline, square.center(), square.width(), color(positive), negative);
-        }
+        glyphs(&mut ink, shown, view, scales, theme, placing);
     }
-    for border in &slice.borders {
+    for border in &shown.slice.borders {
         let at = |[column, row]: [usize; 2]| placing.at(column as f32, row as f32);
         ink.line(at(border.from), at(border.to), 1.6, color(theme.ink));
     }
     Arc::new(ink.mesh)
+}
+
+/// The glyphs that can be seen, each with as many points as its size can show.
+fn glyphs(ink: &mut Ink, shown: &Shown, view: &View, scales: &Scales, theme: &Theme, placing: &Placing) {
+    let axis = shown.slice.plane.axis;
+    let pens = POINTS.map(|points| Glyphs::new(axis, scales.glyph, points));
+    let negative = view.negative.then_some(color(theme.negative));
+    let mut outline = Outline::default();
+    for cell in &shown.slice.cells {
+        let square = placing.square(cell.column, cell.row, cell.span);
+        if !placing.clip.intersects(square) {
+            continue;
+        }
+        let light = view.hue().of(cell.light);
+        let peak = peak(light, axis);
+        let radius = FULL_RADIUS * square.width() * scales.glyph.share(peak, peak).min(1.0);
+        if radius.is_nan() || radius < SMALLEST {
+            continue;
+        }
+        let pen = POINTS.iter().position(|points| *points as f32 >= 3.0 * radius).unwrap_or(POINTS.len() - 1);
+        pens[pen].outline(light, &mut outline);
+        let share = scales.glyph.share(peak, scales.full).clamp(0.0, 1.0);
+        let positive = view.paint().glyph(theme, cell.light, light, axis, share);
+        ink.glyph(&outline, square.center(), square.width(), color(positive), negative);
+    }
 }
 
 /// What lies under everything: heat, the index volume, occluders.
@@ -167,28 +168,65 @@ pub fn level_tint(theme: &Theme, level: usize) -> Color32 {
     color(theme.curve(level)).gamma_multiply(0.28)
 }
 
-/// The cells' edges, where they are far enough apart to tell.
-fn lines(
-    ink: &mut Ink,
-    shown: &Shown,
-    theme: &Theme,
-    placing: &Placing,
-    visible: &impl Fn(&SliceCell) -> Option<Rect>,
-) {
-    let grid = color(theme.grid);
-    for cell in &shown.slice.cells {
-        if cell.span as f32 * placing.cell < 4.0 {
-            continue;
+/// The cells' edges, where they are far enough apart to tell, joined to lines as long as can be.
+fn edges(ink: &mut Ink, shown: &Shown, theme: &Theme, placing: &Placing) {
+    let side = shown.slice.side;
+    // Whether there is an edge below, or to the left of, each finest cell.
+    let (mut below, mut left) = (vec![false; side * side], vec![false; side * side]);
+    for cell in shown.slice.cells.iter().filter(|cell| cell.span as f32 * placing.cell >= CLOSEST_EDGES) {
+        for i in 0..cell.span {
+            below[cell.row * side + cell.column + i] = true;
+            left[cell.column * side + cell.row + i] = true;
         }
-        let Some(square) = visible(cell) else { continue };
-        // A line a side: the left and the lower one; the slice's own frame closes the rest.
-        ink.line(square.left_bottom(), square.left_top(), 1.0, grid);
-        ink.line(square.left_bottom(), square.right_bottom(), 1.0, grid);
     }
-    let Rect { min, max } = placing.square(0, 0, shown.slice.side);
+    let grid = color(theme.grid);
+    for line in 0..side {
+        let at = line as f32;
+        for (from, to) in runs(&below[line * side..(line + 1) * side]) {
+            ink.line(placing.at(from as f32, at), placing.at(to as f32, at), 1.0, grid);
+        }
+        for (from, to) in runs(&left[line * side..(line + 1) * side]) {
+            ink.line(placing.at(at, from as f32), placing.at(at, to as f32), 1.0, grid);
+        }
+    }
+    let Rect { min, max } = placing.square(0, 0, side);
     ink.frame(
         Rect::from_min_max(pos2(min.x - 0.5, min.y - 0.5), pos2(max.x + 0.5, max.y + 0.5)),
         1.0,
         color(theme.muted),
     );
+}
+
+/// Where `true` stands without a gap: the first place of each run, and the one after its last.
+fn runs(marks: &[bool]) -> Vec<(usize, usize)> {
+    let mut runs: Vec<(usize, usize)> = Vec::new();
+    for (i, _) in marks.iter().enumerate().filter(|(_, mark)| **mark) {
+        match runs.last_mut() {
+            Some((_, end)) if *end == i => *end += 1,
+            _ => runs.push((i, i + 1)),
+        }
+    }
+    runs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edges_are_joined_to_runs() {
+        assert_eq!(runs(&[true, true, false, true]), [(0, 2), (3, 4)]);
+        assert_eq!(runs(&[false; 3]), []);
+    }
+
+    #[test]
+    fn a_place_on_screen_is_in_the_cell_that_is_drawn_there() {
+        let clip = Rect::from_min_size(pos2(10.0, 20.0), vec2(80.0, 80.0));
+        let placing = Placing { clip, origin: clip.left_bottom(), cell: 10.0 };
+        for at in [[0, 0], [7, 0], [3, 5]] {
+            let middle = placing.square(at[0], at[1], 1).center();
+            assert_eq!(placing.cell_at(middle, 8), Some(at));
+        }
+        assert_eq!(placing.cell_at(pos2(9.0, 50.0), 8), None);
+    }
 }

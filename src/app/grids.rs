@@ -52,6 +52,19 @@ impl PartialEq for Key {
     }
 }
 
+/// How all views are drawn.
+#[derive(Clone, Copy)]
+pub struct Manner<'a> {
+    /// How light is looked at.
+    pub view: &'a View,
+    /// The colours.
+    pub theme: &'a Theme,
+    /// What is the same for every view.
+    pub scales: &'a Scales,
+    /// Squares to frame.
+    pub marks: &'a [Mark],
+}
+
 /// What the pointer does in a view.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pointed {
@@ -78,18 +91,13 @@ impl Grids {
         self.cameras.fill(Camera::default());
     }
 
-    /// Draws the views side by side in all the room there is. `marks` are finest cells to frame, and
-    /// `titles` stand over the views.
-    pub fn ui(
-        &mut self,
-        ui: &mut Ui,
-        shown: &[Shown],
-        titles: &[String],
-        view: &View,
-        theme: &Theme,
-        scales: &Scales,
-        marks: &[Mark],
-    ) -> Option<Pointed> {
+    /// Forgets what was drawn.
+    pub fn redraw(&mut self) {
+        self.drawn.clear();
+    }
+
+    /// Draws the views side by side in all the room there is; `titles` stand over them.
+    pub fn ui(&mut self, ui: &mut Ui, shown: &[Shown], titles: &[String], manner: &Manner) -> Option<Pointed> {
         let room = ui.available_rect_before_wrap();
         ui.allocate_rect(room, Sense::hover());
         self.cameras.resize(shown.len(), Camera::default());
@@ -107,7 +115,7 @@ impl Grids {
         for (i, shown) in shown.iter().enumerate() {
             let at = corner + vec2((i % columns) as f32, (i / columns) as f32) * (block + Vec2::splat(gap));
             let rect = Rect::from_min_size((at + vec2(MARGIN, TITLE)).round(), Vec2::splat(side.floor()));
-            pointed = self.pane(ui, i, rect, shown, &titles[i], view, theme, scales, marks).or(pointed);
+            pointed = self.pane(ui, i, rect, shown, &titles[i], manner).or(pointed);
         }
         pointed
     }
@@ -119,11 +127,9 @@ impl Grids {
         rect: Rect,
         shown: &Shown,
         title: &str,
-        view: &View,
-        theme: &Theme,
-        scales: &Scales,
-        marks: &[Mark],
+        manner: &Manner,
     ) -> Option<Pointed> {
+        let Manner { view, theme, scales, marks } = *manner;
         let response = ui.interact(rect, ui.scope_id().with(("view", i)), Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("View: {title}")));
         self.steer(ui, i, rect, &response, shown.slice.side, view.linked);

@@ -54,8 +54,14 @@ impl History {
     /// Takes note of a state; `fixed` where it cannot be computed again from the one before.
     pub fn keep(&mut self, state: &Simulation<f32>, fixed: bool) {
         self.truncate(state.iteration());
+        let bytes = bytes(state);
+        if bytes > self.budget {
+            // Not even one has room: a copy of it would only be in the way.
+            self.kept.clear();
+            return;
+        }
         if fixed || state.iteration().is_multiple_of(self.stride) {
-            self.kept.push(Kept { bytes: bytes(state), state: state.clone(), fixed });
+            self.kept.push(Kept { bytes, state: state.clone(), fixed });
             self.fit();
         }
     }

@@ -21,7 +21,7 @@ pub fn ui(lab: &mut Lab, ui: &mut Ui, theme: &Theme) {
     let seen = lab.seen();
     if let Some((pin, what, light, error)) = hovered {
         head(ui, &format!("{what} {}", place(pin)));
-        numbers(ui, light, error);
+        numbers(ui, light, error, lab.measures_uniform());
         return;
     }
     let Some(pin) = lab.pin else {
@@ -36,7 +36,7 @@ pub fn ui(lab: &mut Lab, ui: &mut Ui, theme: &Theme) {
         }
     });
     let Some(sample) = lab.pinned.iter().rev().find(|sample| sample.iteration <= seen) else { return };
-    numbers(ui, sample.accumulated, None);
+    numbers(ui, sample.accumulated, None, false);
     course(ui, &lab.pinned, seen, theme);
 }
 
@@ -49,29 +49,33 @@ fn place(Pin { level, cell: [x, y, z] }: Pin) -> String {
 }
 
 /// The coefficients of each colour, the flux and the error.
-fn numbers(ui: &mut Ui, light: [Sh<f32>; 3], error: Option<CellError>) {
+fn numbers(ui: &mut Ui, light: [Sh<f32>; 3], error: Option<CellError>, uniform: bool) {
     let [red, green, blue] = light;
     let colours: Vec<(&str, Sh<f32>)> = match red == green && green == blue {
         true => vec![("white", red)],
         false => vec![("red", red), ("green", green), ("blue", blue)],
     };
     ui.spacing_mut().item_spacing.y = 2.0;
-    Grid::new("coefficients").num_columns(1 + colours.len()).spacing([10.0, 1.0]).show(ui, |ui| {
+    Grid::new("coefficients").num_columns(5).spacing([8.0, 1.0]).show(ui, |ui| {
         ui.label("");
-        colours.iter().for_each(|(name, _)| drop(ui.label(RichText::new(*name).weak())));
+        ["c00", "c1-1", "c10", "c11"].into_iter().for_each(|name| drop(ui.small(name)));
         ui.end_row();
-        for (i, name) in ["c00", "c1-1", "c10", "c11"].into_iter().enumerate() {
-            ui.label(RichText::new(name).weak());
-            colours.iter().for_each(|(_, sh)| drop(ui.monospace(number(sh.to_basis()[i]))));
+        for (name, light) in colours {
+            ui.small(name);
+            let small = |text: String| RichText::new(text).monospace().size(10.0);
+            light.to_basis().into_iter().for_each(|c| drop(ui.label(small(number(c)))));
             ui.end_row();
         }
     });
     let flux = (red + green + blue).widen().direction();
-    let towards = flux.map_or("none".to_owned(), |d| format!("({:.2}, {:.2}, {:.2})", d.x, d.y, d.z));
+    // Rounded first: a part that is shown as zero has no sign.
+    let part = |c: f64| (c * 100.0).round() / 100.0 + 0.0;
+    let towards = flux.map_or("none".to_owned(), |d| format!("({}, {}, {})", part(d.x), part(d.y), part(d.z)));
     ui.label(format!("flux towards {towards}"));
     if let Some(error) = error {
         let relative = error.relative.map_or("undefined".to_owned(), |relative| format!("{:.2} %", relative * 100.0));
-        ui.label(format!("error {} ({relative}) against its children", number(error.absolute)));
+        let against = if uniform { "a uniform volume" } else { "its children" };
+        ui.label(format!("error {} ({relative}) against {against}", number(error.absolute)));
     }
 }
 
@@ -88,7 +92,9 @@ fn course(ui: &mut Ui, samples: &[PinSample], seen: usize, theme: &Theme) {
         .height(ui.available_height().max(48.0))
         .include_y(0.0)
         .allow_scroll(false)
-        .legend(egui_plot::Legend::default().background_alpha(0.5))
+        .legend(egui_plot::Legend::default().position(egui_plot::Corner::LeftTop).background_alpha(0.5))
+        .x_grid_spacer(super::errors::iterations_apart)
+        .grid_color(color(theme.grid))
         .label_formatter(|position| match position {
             egui_plot::HoverPosition::NearDataPoint { plot_name, position, .. } => {
                 Some(format!("{plot_name}, k = {:.0}: c00 = {:.4e}", position.x, position.y))

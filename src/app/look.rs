@@ -104,11 +104,13 @@ pub struct Look {
     pub layer: Layer,
     /// Where they cut.
     pub plane: Plane,
+    /// Whether cells' errors are against a uniform volume, in place of the mean of their children.
+    pub uniform: bool,
     /// The three-dimensional view, if it is open.
     pub cloud: Option<CloudAsk>,
 }
 
-/// How far a cell is from the mean of its children.
+/// How far a cell is from what it ought to be: the mean of its children, or of all finest cells in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CellError {
     /// ‖O − Ô‖∞.
@@ -154,6 +156,8 @@ pub struct Cloud {
     pub side: usize,
     /// The cells above the threshold, the strongest first.
     pub cells: Vec<CloudCell>,
+    /// The middles of the occupied cells at the surface of occluders, in finest cells.
+    pub occupied: Vec<[f32; 3]>,
     /// Cells above the threshold that there was no room for.
     pub left_out: usize,
     /// The strongest cell's mean light, c00.

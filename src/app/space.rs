@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use egui::{Mesh, Pos2, Rect, Sense, Shape, Ui, Vec2, vec2};
+use egui::{Color32, Mesh, Pos2, Rect, Sense, Shape, Ui, Vec2, vec2};
 use glam::{Mat3, Vec3, vec3};
 
 use super::look::{Cloud, CloudCell};
@@ -37,7 +37,7 @@ pub struct Eye {
 
 impl Default for Eye {
     fn default() -> Self {
-        Eye { yaw: 0.6, pitch: 0.45, zoom: 1.0, pan: Vec2::ZERO, lobes: false, threshold: 0.01 }
+        Eye { yaw: -0.55, pitch: 0.45, zoom: 1.0, pan: Vec2::ZERO, lobes: false, threshold: 0.01 }
     }
 }
 
@@ -54,12 +54,7 @@ impl Projection {
         // y is up in the volume; the eye looks along −z of its own frame.
         let turn = Mat3::from_rotation_x(eye.pitch) * Mat3::from_rotation_y(eye.yaw);
         let extent = rect.width().min(rect.height());
-        Projection {
-            turn,
-            centre: rect.center() + eye.pan * extent,
-            scale: extent * 0.54 * eye.zoom,
-            side: side as f32,
-        }
+        Projection { turn, centre: rect.center() + eye.pan * extent, scale: extent * 0.5 * eye.zoom, side: side as f32 }
     }
 
     /// A place in finest cells, in the eye's frame: the volume's middle at 0, its side 1, z towards the eye.
@@ -147,11 +142,20 @@ impl Space {
     }
 }
 
+/// Something that hides what is behind it.
+enum Solid<'a> {
+    Lit(&'a CloudCell),
+    Occupied([f32; 3]),
+}
+
 /// The cells, the farthest first.
 fn draw(key: &Key, theme: &Theme) -> Mesh {
     let projection = Projection::new(&key.eye, key.rect, key.cloud.side.max(1));
-    let mut cells: Vec<(f32, &CloudCell)> =
-        key.cloud.cells.iter().map(|cell| (projection.seen(Vec3::from(cell.centre)).z, cell)).collect();
+    let depth = |centre: [f32; 3]| projection.seen(Vec3::from(centre)).z;
+    let occupied: &[[f32; 3]] = if key.view.occluders { &key.cloud.occupied } else { &[] };
+    let lit = key.cloud.cells.iter().map(|cell| (depth(cell.centre), Solid::Lit(cell)));
+    let mut cells: Vec<(f32, Solid)> = lit.collect();
+    cells.extend(occupied.iter().map(|centre| (depth(*centre), Solid::Occupied(*centre))));
     cells.sort_by(|a, b| a.0.total_cmp(&b.0));
     let strongest = key.cloud.cells.iter().map(|cell| peak(key.view.hue().of(cell.light), Axis::Z)).fold(0.0, f32::max);
     let full = strongest.max(f32::MIN_POSITIVE);
@@ -161,9 +165,20 @@ fn draw(key: &Key, theme: &Theme) -> Mesh {
         super::view::Scaling::PerGlyph => GlyphScale::PerGlyph,
     };
     let mut ink = Ink::default();
-    let glyphs = Glyphs::new(Axis::Z, scale, LOBE_POINTS);
-    let mut outline = Outline::default();
-    for (_, cell) in cells {
+    let mut pen = Pen {
+        glyphs: Glyphs::new(Axis::Z, scale, LOBE_POINTS),
+        outline: Outline::default(),
+        positive: color(theme.glyph),
+        negative: color(theme.negative),
+    };
+    for (_, solid) in cells {
+        let cell = match solid {
+            Solid::Lit(cell) => cell,
+            Solid::Occupied(centre) => {
+                cube(&mut ink, &projection, centre, 1.0, theme.muted, theme);
+                continue;
+            }
+        };
         let light = key.view.hue().of(cell.light);
         let share = scale.share(peak(light, Axis::Z), full).clamp(0.0, 1.0);
         let paint = match key.view.paint() {
@@ -172,37 +187,36 @@ fn draw(key: &Key, theme: &Theme) -> Mesh {
             paint => paint.glyph(theme, cell.light, light, key.view.axis(), share),
         };
         if key.eye.lobes {
-            lobe(&mut ink, &projection, cell, light, &glyphs, &mut outline, paint, theme);
+            pen.positive = color(paint);
+            lobe(&mut ink, &projection, cell, light, &mut pen);
         } else {
-            cube(&mut ink, &projection, cell, paint, share, theme);
+            cube(&mut ink, &projection, cell.centre, cell.span * (0.35 + 0.6 * share), paint, theme);
         }
     }
     ink.mesh
 }
 
-/// A lobe as the eye sees it: its outline in the plane across the line of sight.
-fn lobe(
-    ink: &mut Ink,
-    projection: &Projection,
-    cell: &CloudCell,
-    light: Sh<f32>,
-    glyphs: &Glyphs,
-    outline: &mut Outline,
-    paint: Rgb,
-    theme: &Theme,
-) {
-    let Sh([c00, x, y, z]) = light;
-    let turned = projection.turn * vec3(x, y, z);
-    glyphs.outline(Sh([c00, turned.x, turned.y, turned.z]), outline);
-    let (centre, nearness) = projection.screen(projection.seen(Vec3::from(cell.centre)));
-    let side = cell.span / projection.side * projection.scale * nearness;
-    ink.glyph(outline, centre, side, color(paint), Some(color(theme.negative)));
+/// What lobes are drawn with.
+struct Pen {
+    glyphs: Glyphs,
+    outline: Outline,
+    positive: Color32,
+    negative: Color32,
 }
 
-/// The three faces of a cell's cube that face the eye, shaded by how much they do.
-fn cube(ink: &mut Ink, projection: &Projection, cell: &CloudCell, paint: Rgb, share: f32, theme: &Theme) {
-    let centre = Vec3::from(cell.centre);
-    let half = cell.span * 0.5 * (0.35 + 0.6 * share);
+/// A lobe as the eye sees it: its outline in the plane across the line of sight.
+fn lobe(ink: &mut Ink, projection: &Projection, cell: &CloudCell, light: Sh<f32>, pen: &mut Pen) {
+    let Sh([c00, x, y, z]) = light;
+    let turned = projection.turn * vec3(x, y, z);
+    pen.glyphs.outline(Sh([c00, turned.x, turned.y, turned.z]), &mut pen.outline);
+    let (centre, nearness) = projection.screen(projection.seen(Vec3::from(cell.centre)));
+    let side = cell.span / projection.side * projection.scale * nearness;
+    ink.glyph(&pen.outline, centre, side, pen.positive, Some(pen.negative));
+}
+
+/// The three faces of a cube, its middle and side in finest cells, that face the eye, shaded by how much they do.
+fn cube(ink: &mut Ink, projection: &Projection, centre: [f32; 3], side: f32, paint: Rgb, theme: &Theme) {
+    let (centre, half) = (Vec3::from(centre), side * 0.5);
     let eye = projection.turn.transpose() * vec3(0.0, 0.0, DISTANCE);
     let to_eye = eye * projection.side - (centre - Vec3::splat(projection.side / 2.0));
     for axis in 0..3 {

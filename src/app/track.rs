@@ -4,6 +4,7 @@ use super::history::{self, History};
 use crate::scene::Scene;
 use crate::simulation::{Action, Change, Simulation, SimulationError};
 use crate::study::error::{self, ErrorRow};
+use crate::study::reference;
 
 /// A simulation that remembers.
 #[derive(Debug)]
@@ -33,12 +34,24 @@ impl Track {
             Action::Merge => {}
             Action::Clear | Action::Inject | Action::Downsample => self.fixed = true,
         }
-        self.now.act(action)
+        let change = self.now.act(action);
+        if self.now.divergence().is_some() {
+            // The present is still what was just kept as the past.
+            self.past.truncate(self.now.iteration());
+        }
+        change
     }
 
-    /// The errors of the present state.
+    /// The errors of the present state, by every metric that needs no other run.
     pub fn errors(&self) -> Vec<ErrorRow> {
-        error::thesis(&self.now)
+        let uniform = reference::uniform(&self.now);
+        let (mut rows, (corrected, merged)) = rayon::join(
+            || error::thesis(&self.now),
+            || rayon::join(|| error::corrected(&self.now, &uniform), || error::merged(&self.now, &uniform)),
+        );
+        rows.extend(corrected);
+        rows.push(merged);
+        rows
     }
 
     /// The present state.

@@ -60,6 +60,9 @@ pub enum Order {
     Pin(Option<Pin>),
     /// Use this much memory, in bytes, for the past.
     Budget(usize),
+    /// Break down, so that tests see what becomes of the window.
+    #[cfg(test)]
+    Panic,
 }
 
 /// How far the worker is.
@@ -117,6 +120,8 @@ pub enum News {
     Pinned(Pin, Vec<PinSample>),
     /// The scene or an action failed; one line that says why and what would be right.
     Failed(String),
+    /// The scene can be run but will not end well; one line that says why.
+    Warned(String),
 }
 
 /// The window's end of the worker.
@@ -172,7 +177,13 @@ mod tests {
     fn look(iteration: Option<usize>) -> Order {
         let state = State { track: 0, iteration };
         let pane = Pane { light: Light::Accumulated, state, minus: None };
-        Order::Look(Look { panes: vec![pane], layer: Layer::Merged, plane: Plane::default(), cloud: None })
+        Order::Look(Look {
+            panes: vec![pane],
+            layer: Layer::Merged,
+            plane: Plane::default(),
+            uniform: false,
+            cloud: None,
+        })
     }
 
     /// The first of the news that `pick` takes; waits for it.
@@ -236,6 +247,44 @@ mod tests {
                 _ => None,
             });
             assert!(shown == k || shown < 9, "asked for {k}, got {shown}");
+        }
+    }
+
+    #[test]
+    fn light_that_diverges_is_foretold_told_and_kept_as_it_was() {
+        let mut worker = Worker::start(1 << 20, || ()).unwrap();
+        let text = "(version: 1, size: 4, injectors: [(kind: Single(cell: (0, 1, 2)))], propagation: (factor: 50))";
+        let preset = Preset::parse(text, Path::new("test")).unwrap();
+        let start = Start::To { iteration: 1000, merge: true };
+        worker.order(Order::Load(Box::new(Load { preset, folder: PathBuf::new(), others: Vec::new(), start })));
+        let (mut warned, mut reached) = (false, 0);
+        let line = loop {
+            let news = wait(&worker, |news| Some(news.clone()));
+            match news {
+                News::Warned(line) => warned = line.contains("level 0 (4³)"),
+                News::Done { progress, .. } => reached = progress.iteration,
+                News::Failed(line) => break line,
+                _ => {}
+            }
+        };
+        assert!(warned && line.contains(&format!("iteration {} could take level 0", reached + 1)), "{line}");
+        // The window lives on: another factor from the same light.
+        worker.order(load(4, Start::To { iteration: 3, merge: false }));
+        wait(&worker, |news| matches!(news, News::Done { progress, .. } if progress.iteration == 3).then_some(()));
+    }
+
+    #[test]
+    fn fifty_panics_leave_the_window_its_worker() {
+        let mut worker = Worker::start(1 << 20, || ()).unwrap();
+        for _ in 0..50 {
+            worker.order(Order::Panic);
+            let line = wait(&worker, |news| match news {
+                News::Failed(line) => Some(line.clone()),
+                _ => None,
+            });
+            assert!(line.contains("broke down") && !line.contains('\n'), "{line}");
+            worker.order(load(4, Start::To { iteration: 2, merge: false }));
+            wait(&worker, |news| matches!(news, News::Done { progress, .. } if progress.iteration == 2).then_some(()));
         }
     }
 

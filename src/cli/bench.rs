@@ -1,4 +1,5 @@
-//! `bench`: how fast the loops are, as a table, `kernels.csv` and a plot.
+//! `bench`: how fast the loops are, as a table, `kernels.csv` and a plot; then time against error, by
+//! [`super::pareto`].
 
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -11,12 +12,13 @@ use super::output::Folder;
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
 use crate::report::table::Table;
-use crate::study::benchmark::{self, BenchmarkError, KernelRow, Pipeline, Plan, THESIS_MILLISECONDS};
+use crate::study::benchmark::{self, BenchmarkError, KernelRow, Pipeline, THESIS_MILLISECONDS};
+use crate::study::pareto::Plan;
 
 /// What to measure, and where to write.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  lpv-lab bench\n  lpv-lab bench --sizes 64,128,256 --threads 1,2 --rounds 7 --out results\n\n\
+    after_help = "Examples:\n  lpv-lab bench\n  lpv-lab bench --sizes 64,128,256 --threads 1,2 --rounds 7 --out results\n  lpv-lab bench --only-pareto --pareto 32 --factor 3.8\n\n\
                         kernel is aos (the usual array of structures), plain (the definition), fast, fast-clamped, blocked\n\
                         (several iterations a pass), or a scene: lobe (eight iterations, all levels) and walls-merged (sixteen,\n\
                         only the merged light wanted), with what was not skipped."
@@ -31,7 +33,16 @@ pub struct BenchArgs {
     /// Rounds over all loops; medians are reported
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
     rounds: u16,
-    /// The folder for kernels.csv, kernels.svg and kernels.png
+    /// Sides of the volumes for time against error, powers of two; 0 to leave it out
+    #[arg(long, value_name = "N,N,...", value_delimiter = ',', default_values_t = [16, 32], value_parser = side_or_none)]
+    pareto: Vec<usize>,
+    /// The propagation factor for time against error
+    #[arg(long, default_value_t = 3.0, value_parser = super::pareto::factor)]
+    factor: f64,
+    /// Leave the kernels out, and only measure time against error
+    #[arg(long)]
+    only_pareto: bool,
+    /// The folder for kernels.csv, pareto.csv and the plots
     #[arg(long, value_name = "DIR", default_value = "lpv-lab-results/bench")]
     out: PathBuf,
 }
@@ -39,6 +50,10 @@ pub struct BenchArgs {
 fn side(text: &str) -> Result<usize, String> {
     let side = text.parse().ok().filter(|n: &usize| n.is_power_of_two() && (2..=512).contains(n));
     side.ok_or_else(|| "a side is a power of two from 2 to 512".to_owned())
+}
+
+fn side_or_none(text: &str) -> Result<usize, String> {
+    if text == "0" { Ok(0) } else { side(text) }
 }
 
 fn threads(text: &str) -> Result<usize, String> {
@@ -55,13 +70,27 @@ impl From<BenchmarkError> for CliError {
 /// Does the command.
 pub fn run(args: &BenchArgs) -> Result<(), CliError> {
     let folder = Folder::create(args.out.clone())?;
+    if !args.only_pareto {
+        kernels(args, &folder)?;
+    }
+    let sizes: Vec<usize> = args.pareto.iter().copied().filter(|size| *size > 0).collect();
+    if !sizes.is_empty() {
+        super::pareto::run(&Plan { sizes, factor: args.factor, rounds: usize::from(args.rounds) }, &folder)?;
+    }
+    println!("\n{}", folder.path().display());
+    Ok(())
+}
+
+/// The loops by themselves.
+fn kernels(args: &BenchArgs, folder: &Folder) -> Result<(), CliError> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = match args.threads.as_slice() {
         [] if cores > 1 => vec![1, cores],
         [] => vec![1],
         some => some.to_vec(),
     };
-    let plan = Plan { sizes: args.sizes.clone(), threads: threads.clone(), rounds: usize::from(args.rounds) };
+    let plan =
+        benchmark::Plan { sizes: args.sizes.clone(), threads: threads.clone(), rounds: usize::from(args.rounds) };
     let bar = if std::io::stderr().is_terminal() { ProgressBar::new_spinner() } else { ProgressBar::hidden() };
     let rows = benchmark::kernels(&plan, |now| {
         bar.set_message(now.to_owned());
@@ -78,9 +107,7 @@ pub fn run(args: &BenchArgs) -> Result<(), CliError> {
     let mut csv = Vec::new();
     table.write_csv(&mut csv).map_err(|e| CliError::Failed(format!("kernels.csv: {e}")))?;
     folder.write("kernels.csv", csv)?;
-    folder.write_svg_and_png("kernels", &figure(&rows).to_svg())?;
-    println!("\n{}", folder.path().display());
-    Ok(())
+    folder.write_svg_and_png("kernels", &figure(&rows).to_svg())
 }
 
 /// The rows as `kernels.csv` has them.

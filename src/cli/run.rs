@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::cells::LevelArg;
 use super::output::Folder;
-use super::{CliError, SceneArgs, stability};
+use super::{CliError, SceneArgs};
 use crate::report::colour::{Paint, Theme};
 use crate::report::error_plot::ErrorPlot;
 use crate::report::glyph::Hue;
@@ -19,6 +19,7 @@ use crate::report::slice::{Axis, Plane, Slice};
 use crate::report::table;
 use crate::simulation::{Light, Simulation};
 use crate::study::error::{self, ErrorRow};
+use crate::study::stability::outlook;
 
 /// What to run, what to look at, where to write.
 #[derive(Args, Debug, Clone)]
@@ -141,7 +142,7 @@ struct Summary<'a> {
 pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let (preset, scene) = args.scene.load()?;
     let plane = plane(args.slice, scene.size, |axis| scene.brightest_slab(axis))?;
-    if let Some(warning) = stability::warning(&scene) {
+    if let Some(warning) = outlook::warning(&scene) {
         eprintln!("lpv-lab: warning: {warning}");
     }
     let mut simulation = Simulation::<f32>::new(scene)?;

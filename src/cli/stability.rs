@@ -1,26 +1,32 @@
 //! `stability`: where every scheme keeps its light bounded, how far single precision drifts in long runs, and whether
 //! what must hold of every scene holds of random ones.
 
-use std::path::PathBuf;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
+use indicatif::ProgressBar;
 
 use super::output::Folder;
 use super::{CliError, SceneArgs};
+use crate::propagate::levels::Policy;
 use crate::propagate::scheme;
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
 use crate::report::table::{Table, Value};
 use crate::scene::Scene;
 use crate::study::stability::drift::{DriftRow, LongRun};
+use crate::study::stability::level::critical_of_octree;
 use crate::study::stability::outlook;
 use crate::study::stability::{self, critical_without_borders, critical_without_clamps};
+use crate::study::stress::{self, Outcome};
 
 /// What to examine, where to write.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  lpv-lab stability\n  lpv-lab stability mixed --factor 5\n  \
                         lpv-lab stability --sizes 2,4,8,16,32 --iterations 10000 --out results\n\n\
-                        With --out the folder gets critical.csv, drift.csv, drift.svg and drift.png.")]
+                        With --out the folder gets critical.csv, drift.csv, drift.svg, drift.png and rules.csv. A random scene that\n\
+                        breaks a rule is made small and saved there, or in the current folder, as broken-SEED-SCENE.ron.")]
 pub struct StabilityArgs {
     /// A preset, or the name of a built-in one: what becomes of its levels at its own factor
     preset: Option<PathBuf>,
@@ -36,7 +42,13 @@ pub struct StabilityArgs {
     /// The side of the long runs' volume
     #[arg(long, value_name = "N", default_value_t = 8)]
     side: usize,
-    /// The folder for the results; without it they go to the terminal only
+    /// Random scenes to hold against the rules that no scene may break
+    #[arg(long, value_name = "COUNT", default_value_t = 100)]
+    scenes: usize,
+    /// The seed that the random scenes are made from
+    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    seed: u64,
+    /// The folder for the results; without it tables go to the terminal only
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -65,13 +77,58 @@ pub fn run(args: &StabilityArgs) -> Result<(), CliError> {
     let drifts = long_runs(args)?;
     let drift = drift_table(&drifts);
     println!("Single precision against double, relative\n\n{}", last_rows(&drifts).to_text());
-    if let Some(folder) = folder {
+    let outcome = random_scenes(args);
+    let rules = rules_table(&outcome);
+    println!(
+        "Random scenes of seed {}: {} scenes, {} iterations, {} stopped before they overflowed\n\n{}",
+        args.seed,
+        outcome.scenes,
+        outcome.iterations,
+        outcome.stopped,
+        rules.to_text()
+    );
+    if let Some(folder) = &folder {
         folder.write_table("critical.csv", &critical)?;
         folder.write_table("drift.csv", &drift)?;
+        folder.write_table("rules.csv", &rules)?;
         folder.write_svg_and_png("drift", &drift_figure(args, &drifts).to_svg())?;
         println!("Results in {}", folder.path().display());
     }
-    Ok(())
+    save_findings(args.seed, &outcome, folder.as_ref().map_or(Path::new(""), Folder::path))
+}
+
+/// Tries the random scenes, with a bar where somebody watches.
+fn random_scenes(args: &StabilityArgs) -> Outcome {
+    let bar = match std::io::stderr().is_terminal() {
+        true => ProgressBar::new(args.scenes as u64),
+        false => ProgressBar::hidden(),
+    };
+    let outcome = stress::run(args.seed, args.scenes, |scene| bar.set_position(scene as u64));
+    bar.finish_and_clear();
+    outcome
+}
+
+/// How many scenes each rule was held against, and how many broke it.
+fn rules_table(outcome: &Outcome) -> Table<3> {
+    let mut table = Table::new(["rule", "scenes", "broken"]);
+    for (rule, scenes) in &outcome.checked {
+        let broken = outcome.findings.iter().filter(|finding| finding.broken.invariant == *rule).count();
+        table.push([rule.name().into(), (*scenes).into(), broken.into()]);
+    }
+    table
+}
+
+/// Saves what broke a rule; the command failed if anything did.
+fn save_findings(seed: u64, outcome: &Outcome, folder: &Path) -> Result<(), CliError> {
+    for finding in &outcome.findings {
+        let path = folder.join(format!("broken-{seed}-{}.ron", finding.scene));
+        finding.preset.save(&path).map_err(|e| CliError::Failed(e.to_string()))?;
+        println!("{}: {}", path.display(), finding.broken);
+    }
+    match outcome.findings.len() {
+        0 => Ok(()),
+        count => Err(CliError::Failed(format!("{count} of {} random scenes broke a rule; see above", outcome.scenes))),
+    }
 }
 
 /// What becomes of every level of a scene.
@@ -87,15 +144,16 @@ fn print_outlook(scene: &Scene) {
 }
 
 /// Every scheme at every size, with the gains it has and the factors it bears.
-fn critical_factors(sizes: &[usize]) -> Table<7> {
+fn critical_factors(sizes: &[usize]) -> Table<8> {
     let mut table = Table::new([
         "scheme",
         "size",
         "mean_gain",
         "direction_gain",
         "critical",
-        "critical_without_clamps",
-        "critical_without_borders",
+        "consistent_levels",
+        "without_clamps",
+        "without_borders",
     ]);
     for scheme in scheme::all() {
         let found = stability::of_scheme(&scheme, sizes);
@@ -104,9 +162,9 @@ fn critical_factors(sizes: &[usize]) -> Table<7> {
             let linear = critical_without_clamps(&scheme, size);
             let gains = [found.mean_gain, found.direction_gain].map(Value::from);
             let [mean, direction] = gains;
-            let factors = [critical, linear, unbounded].map(Value::from);
-            let [critical, linear, unbounded] = factors;
-            table.push([scheme.name.into(), size.into(), mean, direction, critical, linear, unbounded]);
+            let consistent = critical_of_octree(&scheme, Policy::Consistent, size);
+            let [critical, consistent, linear, unbounded] = [critical, consistent, linear, unbounded].map(Value::from);
+            table.push([scheme.name.into(), size.into(), mean, direction, critical, consistent, linear, unbounded]);
         }
     }
     table
@@ -199,19 +257,4 @@ fn drift_figure(args: &StabilityArgs, drifts: &[Drift]) -> Figure {
         theme: Theme::LIGHT,
         size: [960, 560],
     }
-}
-
-/// What `run` says before it starts, if a level of the scene will overflow.
-pub fn warning(scene: &Scene) -> Option<String> {
-    let found = outlook::first_to_overflow(scene)?;
-    let percent = 100.0 * (found.growth - 1.0);
-    Some(format!(
-        "the factor {} exceeds {:.2}, the critical one of level {} ({}³): its light grows by {percent:.2} % an iteration \
-         and will overflow about iteration {}",
-        scene.propagation.factor,
-        found.critical,
-        found.level,
-        found.side,
-        found.overflow.unwrap_or_default()
-    ))
 }

@@ -63,7 +63,8 @@ pub enum GlyphScale {
         /// The intensity that fills a cell, above zero.
         full: f32,
     },
-    /// The radius is proportional to the intensity's logarithm.
+    /// The glyph's size is proportional to its largest intensity's logarithm. Its shape is the same as on a
+    /// linear scale: a lobe drawn by logarithms in every direction would look like a ball.
     Log {
         /// The intensity that fills a cell, above zero.
         full: f32,
@@ -216,10 +217,15 @@ impl Glyphs {
         let from = if all_round { middle } else { points + middle + 1 - reach };
         let count = if all_round { points } else { (2 * reach).saturating_sub(1) };
         let [right, up] = lobes.peak_direction;
+        let size = self.scale.share(lobes.peak(), lobes.peak()).min(1.0);
         out.extend((from..from + count).map(|k| {
             let [cos, sin] = self.turn[k % points];
             let intensity = (lobes.mean + lobes.swing * cos).abs();
-            let radius = FULL_RADIUS * self.scale.share(intensity, lobes.peak()).min(1.0);
+            let radius = FULL_RADIUS
+                * match self.scale {
+                    GlyphScale::Log { .. } => size * intensity / lobes.peak(),
+                    linear => linear.share(intensity, lobes.peak()).min(1.0),
+                };
             [radius * (cos * right - sin * up), radius * (cos * up + sin * right)]
         }));
         if count > 0 && !all_round {

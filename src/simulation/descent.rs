@@ -4,6 +4,7 @@
 use super::{Light, Simulation, acting, step};
 use crate::field::{Grid, downsample_into};
 use crate::propagate::kernel::occluded::Which;
+use crate::propagate::kernel::step::once;
 use crate::propagate::levels;
 use crate::scene::preset::Snapshots;
 use crate::sh::Real;
@@ -17,11 +18,17 @@ impl<T: Real> Simulation<T> {
         let source_counts_twice = self.iteration == 0 && self.scene.propagation.snapshots == Snapshots::CopyFirst;
         for (colour, Light { source, accumulated, .. }) in self.lights.iter_mut().enumerate() {
             for i in 1..self.sizes.count() {
-                let mut moved = Grid::new(self.sizes.side(i - 1));
                 // Each level has gone a step further than the one before.
                 let occluders = acting(&self.occluders, self.iteration + i);
-                let which = Which { level: i - 1, colour };
-                step(occluders, &self.stencils[i - 1], which, source.level(i - 1), &mut moved);
+                let moved = match &self.engine.forms[i - 1] {
+                    Some(form) if occluders.is_none() => once(form, source.level(i - 1).clone()),
+                    _ => {
+                        let mut moved = Grid::new(self.sizes.side(i - 1));
+                        let which = Which { level: i - 1, colour };
+                        step(occluders, &self.stencils[i - 1], which, source.level(i - 1), &mut moved);
+                        moved
+                    }
+                };
                 levels::hand_down(self.residences[i - 1], self.residences[i], &moved, source.level_mut(i));
 
                 let mut rested = accumulated.level(i - 1).clone();

@@ -1,7 +1,7 @@
 //! What a scene's occluders are to its simulation: which kind of occluders, from which iteration on, and
 //! whether they tint light.
 
-use crate::field::{Channels, Levels};
+use crate::field::{Channels, IndexVolume, Levels};
 use crate::propagate::barrier::Barrier;
 use crate::propagate::geometry::Geometry;
 use crate::propagate::kernel::occluded::{Fuzzy, Hard, Mirrored, Occluders};
@@ -39,6 +39,14 @@ pub(super) fn occluders<T: Real>(scene: &Scene, sizes: Levels, scheme: &Scheme) 
         }
     };
     Some(occluders)
+}
+
+/// Sees to it that cells which hard occluders let no light enter are sampled at level 0.
+pub(super) fn mark_shut<T: Real>(occluders: Option<&(Occluders<T>, usize)>, index: &mut IndexVolume) {
+    if let Some((Occluders::Hard(hard), _)) = occluders {
+        let marks = index.level_mut(0);
+        hard.barrier.shut().for_each(|cell| marks.set(cell));
+    }
 }
 
 /// The channels that a scene needs: one a colour where a surface may tint the light, else the fewest.

@@ -25,6 +25,8 @@ use rayon::prelude::*;
 use super::error::{self, ErrorRow, Metric};
 use super::reference;
 use crate::field::{Cell, Grid, Layout};
+use crate::propagate::geometry::Blocker;
+use crate::propagate::transparency::Transparency;
 use crate::scene::occluder::OcclusionMode;
 use crate::scene::{Occlusion, Scene, Source};
 use crate::sh::{Real, Sh};
@@ -37,7 +39,7 @@ use visibility::Visibility;
 pub struct Ballistic {
     size: usize,
     sources: Vec<Source>,
-    blockers: Vec<crate::propagate::geometry::Blocker>,
+    blockers: Vec<Blocker>,
     occlusion: Occlusion,
     light: Vec<Grid<f32>>,
 }
@@ -49,14 +51,16 @@ impl Ballistic {
         let injected = reference::injected::<f64>(scene)?;
         let extents = extents(scene.size);
         let blocks = scene.occlusion.mode != OcclusionMode::Off;
-        let visibility = if blocks { Visibility::new(scene.size, &scene.blockers) } else { None };
+        let blockers: &[Blocker] = if blocks { &scene.blockers } else { &[] };
+        let transparency = Transparency::new(scene.size, blockers);
+        let visibility = transparency.as_ref().map(Visibility);
         let channels = injected.lights().len();
         let mut light = Vec::new();
         for (channel, carried) in injected.lights().iter().enumerate() {
             let points: Vec<(Cell, Sh<f64>)> =
                 carried.source.level(0).iter().filter(|(_, light)| !light.is_zero()).collect();
             let part = |done: f64| progress((channel as f64 + done) / channels as f64);
-            let Some(grid) = arriving(&points, &extents, visibility.as_ref(), scene.size, &part) else {
+            let Some(grid) = arriving(&points, &extents, visibility, scene.size, &part) else {
                 return Ok(None);
             };
             light.push(grid);
@@ -89,7 +93,7 @@ fn extents(n: usize) -> Vec<Extent> {
 fn arriving(
     points: &[(Cell, Sh<f64>)],
     extents: &[Extent],
-    visibility: Option<&Visibility>,
+    visibility: Option<Visibility<'_>>,
     n: usize,
     progress: &(dyn Fn(f64) -> bool + Sync),
 ) -> Option<Grid<f32>> {
@@ -127,7 +131,7 @@ fn from_one(
     &(from, light): &(Cell, Sh<f64>),
     to: Cell,
     extents: &[Extent],
-    visibility: Option<&Visibility>,
+    visibility: Option<Visibility<'_>>,
     n: usize,
 ) -> Sh<f64> {
     if from == to {
@@ -170,18 +174,16 @@ pub fn moved<T: Real>(simulation: &Simulation<T>) -> Result<Vec<Grid<T>>, Simula
     Ok(merged)
 }
 
-/// Σ‖O − R‖∞ / Σ‖R‖∞ over all cells of one channel, as it is and with O multiplied by the number that makes
-/// it least; both are 0 where all is dark.
-pub fn l1<T: Real>(moved: &Grid<T>, truth: &Grid<f32>) -> BestFit {
-    let pairs: Vec<(Sh<f64>, Sh<f64>)> =
-        truth.iter().map(|(cell, ought)| (moved.get(cell).widen(), ought.widen())).collect();
-    let expected: f64 = pairs.iter().map(|(_, ought)| ought.max_norm()).sum();
-    let difference = |scale: f64| -> f64 {
-        let sum: f64 = pairs.par_iter().map(|(is, ought)| (*is * scale - *ought).max_norm()).sum();
+/// Σ‖O − R‖∞ / Σ‖R‖∞ over all cells, as it is and with O multiplied by the number that makes it least; both
+/// are 0 where all is dark. `scales` says how much each channel's norm counts.
+pub fn l1<T: Real>(scales: &[f64], moved: &[Grid<T>], truth: &[Grid<T>]) -> BestFit {
+    let expected = total(scales, moved, truth, [0.0, 1.0]);
+    let found = total(scales, moved, truth, [1.0, 0.0]);
+    let difference = |scale: f64| {
+        let sum = total(scales, moved, truth, [scale, 1.0]);
         if sum == 0.0 { 0.0 } else { sum / expected }
     };
     // The difference is convex in the scale. Its least value is no further off than twice the ratio of the sums.
-    let found: f64 = pairs.iter().map(|(is, _)| is.max_norm()).sum();
     let (mut low, mut high) = (0.0, if found > 0.0 { 2.0 * expected / found } else { 0.0 });
     for _ in 0..40 {
         let third = (high - low) / 3.0;
@@ -189,6 +191,20 @@ pub fn l1<T: Real>(moved: &Grid<T>, truth: &Grid<f32>) -> BestFit {
     }
     let scale = 0.5 * (low + high);
     BestFit { raw: difference(1.0), fitted: difference(scale), scale }
+}
+
+/// Σ‖u·O − v·R‖∞ over all cells, the norm over all channels.
+fn total<T: Real>(scales: &[f64], moved: &[Grid<T>], truth: &[Grid<T>], [u, v]: [f64; 2]) -> f64 {
+    let n = moved.first().map_or(0, Grid::side);
+    let norm = |cell: Cell| {
+        let channels = moved.iter().zip(truth).zip(scales);
+        let each =
+            channels.map(|((o, r), scale)| scale * (o.get(cell).widen() * u - r.get(cell).widen() * v).max_norm());
+        each.fold(0.0, f64::max)
+    };
+    let slab = |z: usize| -> f64 { (0..n * n).map(|i| norm([i % n, i / n, z])).sum() };
+    // Slabs are summed in their order, so that the sum is the same however many cores there are.
+    (0..n).into_par_iter().map(slab).collect::<Vec<f64>>().iter().sum()
 }
 
 /// An error before and after the best scalar.
@@ -200,4 +216,20 @@ pub struct BestFit {
     pub fitted: f64,
     /// The scalar that fits best.
     pub scale: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_best_scalar_brings_a_multiple_of_the_truth_to_no_error() {
+        let mut truth = Grid::<f64>::new(2);
+        truth.set([1, 0, 0], Sh([2.0, 0.0, 1.0, 0.0]));
+        truth.set([0, 1, 1], Sh([0.5, 0.2, 0.0, 0.0]));
+        let mut moved = truth.clone();
+        moved.scale(0.25);
+        let fit = l1(&[1.0, 0.5], &[moved, Grid::new(2)], &[truth, Grid::new(2)]);
+        assert!((fit.raw - 0.75).abs() < 1e-12 && fit.fitted < 1e-6 && (fit.scale - 4.0).abs() < 1e-5, "{fit:?}");
+    }
 }

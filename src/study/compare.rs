@@ -12,7 +12,9 @@ use std::time::{Duration, Instant};
 use crate::field::Grid;
 use crate::scene::Scene;
 use crate::simulation::{Action, Light, Simulation, SimulationError};
-use crate::study::error::{self, ErrorRow, Metric};
+use crate::study::ballistic::{self, Ballistic};
+use crate::study::error::{self, ErrorRow};
+use crate::study::reference;
 use places::Places;
 
 /// The most iterations that convergence is waited for.
@@ -23,28 +25,53 @@ const CONVERGED: f64 = 0.01;
 /// What the merged light is compared with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reference {
-    /// A uniform volume of the finest size, propagated as often by the same scheme (000, 6.2).
+    /// A uniform volume of the finest size, propagated as often by the same scheme (000, 6.2): what the
+    /// octree costs.
     #[default]
     Uniform,
+    /// What truly arrives along straight lines, against the light that has moved: what the scheme costs.
+    Ballistic,
 }
 
 impl Reference {
     /// All there are.
-    pub const ALL: [Reference; 1] = [Reference::Uniform];
+    pub const ALL: [Reference; 2] = [Reference::Uniform, Reference::Ballistic];
 
     /// Its name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Reference::Uniform => "uniform",
+            Reference::Ballistic => "ballistic",
         }
     }
 
-    /// The light that ought to be in every finest cell, for each channel, once `simulation` has run.
-    fn light(self, simulation: &Simulation<f32>) -> Vec<Grid<f32>> {
+    /// Computes what of it is the same for every scheme.
+    pub fn of(self, scene: &Scene) -> Result<Truth, SimulationError> {
         match self {
-            // Every level is propagated by itself, so the finest is a uniform volume.
-            Reference::Uniform => simulation.lights().iter().map(|l| l.accumulated.level(0).clone()).collect(),
+            Reference::Uniform => Ok(Truth(None)),
+            Reference::Ballistic => Ok(Truth(Ballistic::new(scene, &|_| true)?)),
         }
+    }
+}
+
+/// A reference made ready for one scene: the ballistic light, or none where each scheme has its own.
+#[derive(Clone, Debug)]
+pub struct Truth(Option<Ballistic>);
+
+impl Truth {
+    /// The error of the merged light, and its L1 ratio after the scalar that fits best.
+    fn error(&self, simulation: &Simulation<f32>) -> Result<(ErrorRow, f64), SimulationError> {
+        let (row, found, expected) = match &self.0 {
+            None => {
+                let uniform = reference::uniform(simulation);
+                (error::merged(simulation, &uniform), error::sampled(simulation), uniform)
+            }
+            Some(truth) => {
+                let row = ballistic::error(simulation, truth)?;
+                (row, ballistic::moved(simulation)?, truth.light().to_vec())
+            }
+        };
+        Ok((row, ballistic::l1(&error::channel_scales(simulation), &found, &expected).fitted))
     }
 }
 
@@ -55,6 +82,8 @@ pub struct Finding {
     pub scheme: String,
     /// The merged light against the reference.
     pub error: ErrorRow,
+    /// The L1 ratio of that error after the scalar that fits best: renderers scale by taste.
+    pub l1_fitted: f64,
     /// The light of the last snapshot over that injected, on level 0: 1 where none is lost.
     pub energy_left: f64,
     /// The mean place of the light that has moved, S_1 + … + S_k of level 0, in cells (x, y, z).
@@ -77,8 +106,9 @@ pub struct Finding {
     pub iteration_time: Duration,
 }
 
-/// Runs `scene` under the scheme called `scheme`, its other settings unchanged.
-pub fn run(scene: &Scene, scheme: &str, reference: Reference) -> Result<Finding, SimulationError> {
+/// Runs `scene` under the scheme called `scheme`, its other settings unchanged, and compares it with a
+/// reference that was made for it.
+pub fn run(scene: &Scene, scheme: &str, truth: &Truth) -> Result<Finding, SimulationError> {
     let mut scene = scene.clone();
     scene.propagation.scheme = scheme.to_owned();
     let places = Places::of(&scene);
@@ -103,8 +133,7 @@ pub fn run(scene: &Scene, scheme: &str, reference: Reference) -> Result<Finding,
         moved.iter_mut().zip(&snapshot).for_each(|(sum, light)| *sum += light);
     }
     simulation.act(Action::Merge);
-    let expected = reference.light(&simulation);
-    let error = merged_error(&simulation, &expected);
+    let (error, l1_fitted) = truth.error(&simulation)?;
     let merged = brightness(&weights, simulation.lights(), |l| l.merged.as_ref().unwrap_or(l.accumulated.level(0)));
 
     let energy_left = ratio(energies[iterations], energies[0]);
@@ -119,6 +148,7 @@ pub fn run(scene: &Scene, scheme: &str, reference: Reference) -> Result<Finding,
     Ok(Finding {
         scheme: scheme.to_owned(),
         error,
+        l1_fitted,
         energy_left,
         centroid,
         shift: centroid.iter().zip(start).map(|(c, s)| (c - s).powi(2)).sum::<f64>().sqrt(),
@@ -152,17 +182,6 @@ fn brightness<'a>(
         sums.iter_mut().zip(grid.iter()).for_each(|(sum, (_, light))| *sum += weight * f64::from(light.0[0]));
     }
     sums
-}
-
-/// The merged light against what it ought to be.
-fn merged_error(simulation: &Simulation<f32>, expected: &[Grid<f32>]) -> ErrorRow {
-    let scales = error::channel_scales(simulation);
-    let tally = error::tally(&scales, simulation.sizes().finest(), |channel, cell| {
-        let light = &simulation.lights()[channel];
-        let merged = light.merged.as_ref().unwrap_or(light.accumulated.level(0));
-        (merged.get(cell), expected[channel].get(cell))
-    });
-    tally.row(simulation.iteration(), Metric::Merged, None)
 }
 
 /// The first iteration that adds less than [`CONVERGED`] of all light so far; `energies` start with the injected.

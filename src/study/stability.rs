@@ -6,6 +6,7 @@
 //! which is smaller the larger the volume: less light is near a border.
 
 pub mod drift;
+pub mod level;
 pub mod outlook;
 
 use std::f64::consts::PI;

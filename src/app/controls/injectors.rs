@@ -68,8 +68,19 @@ impl Change {
     }
 }
 
-/// The buttons of a list's `i`-th line, to the right.
-pub(super) fn buttons(ui: &mut Ui, what: &str, i: usize, count: usize) -> Option<(usize, Change)> {
+/// The rest of a list's `i`-th line: its title, cut where it must be, and the buttons to the right.
+pub(super) fn titled_buttons(ui: &mut Ui, title: &str, what: &str, i: usize, count: usize) -> Option<(usize, Change)> {
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        let change = buttons(ui, what, i, count);
+        ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+            ui.add(egui::Label::new(title).truncate());
+        });
+        change
+    })
+    .inner
+}
+
+fn buttons(ui: &mut Ui, what: &str, i: usize, count: usize) -> Option<(usize, Change)> {
     let mut change = None;
     let all = [
         (Change::Delete, "✖", "Delete", true),
@@ -94,8 +105,7 @@ fn head(ui: &mut Ui, i: usize, count: usize, injector: &mut Injector) -> Option<
         let [r, g, b] = injector.color.map(|c| (c.clamp(0.0, 1.0) * 255.0) as u8);
         let (dot, _) = ui.allocate_exact_size(Vec2::splat(10.0), Sense::hover());
         ui.painter().circle(dot.center(), 4.5, Color32::from_rgb(r, g, b), (1.0, ui.visuals().weak_text_color()));
-        ui.label(format!("{}. {}", i + 1, summary(&injector.kind)));
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| buttons(ui, "injector", i, count)).inner
+        titled_buttons(ui, &format!("{}. {}", i + 1, summary(&injector.kind)), "injector", i, count)
     })
     .inner
 }

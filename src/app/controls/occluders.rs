@@ -3,7 +3,7 @@
 use egui::{CollapsingHeader, DragValue, Ui};
 
 use super::field::{self, choice, named_choice, named_row, number};
-use super::injectors::buttons;
+use super::injectors::titled_buttons;
 use super::{Wish, small_button};
 use crate::scene::Preset;
 use crate::scene::occluder::{Axis, BlockingSign, Occluder, OccluderKind, Occlusion, OcclusionMode};
@@ -17,10 +17,8 @@ pub fn ui(ui: &mut Ui, preset: &mut Preset, wish: &mut Wish) {
             ui.horizontal(|ui| {
                 let on = ui.checkbox(&mut occluder.enabled, "").on_hover_text("Whether it stands in the scene");
                 field::name(&on, &format!("Occluder {} on", i + 1));
-                ui.label(format!("{}. {}", i + 1, summary(&occluder.kind)));
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    change = buttons(ui, "occluder", i, count).or(change);
-                });
+                let title = format!("{}. {}", i + 1, summary(&occluder.kind));
+                change = titled_buttons(ui, &title, "occluder", i, count).or(change);
             });
             one(ui, i, occluder, preset.size, wish);
         });

@@ -3,6 +3,7 @@
 use egui::{DragValue, Ui};
 
 use super::field::{choice, number, row};
+use crate::propagate::levels::Policy;
 use crate::propagate::scheme;
 use crate::scene::Propagation;
 use crate::scene::preset::{MOST_ITERATIONS, Snapshots};
@@ -33,6 +34,12 @@ pub fn ui(ui: &mut Ui, propagation: &mut Propagation) {
     let all = [Snapshots::Thesis, Snapshots::WithoutInjected, Snapshots::CopyFirst];
     let hint = "What the accumulated light sums: S₀ to S_k, or as NVIDIA's sample does, S₁ = S₀ + p·P(S₀) and on";
     choice(ui, "Snapshots", hint, &mut propagation.snapshots, &all, text);
+    let text = |policy: &Policy| match policy {
+        Policy::Same => "One factor for all".to_owned(),
+        Policy::Consistent => "Consistent".to_owned(),
+    };
+    let hint = "How the operator follows from the level: alike on all, as in the thesis, or so that levels agree";
+    choice(ui, "Levels", hint, &mut propagation.levels, &Policy::ALL, text);
     row(ui, "Clamp", |ui| {
         ui.checkbox(&mut propagation.clamp, "")
             .on_hover_text("Negative flux counts as none; off, every iteration is linear")

@@ -10,6 +10,7 @@ use crate::app::look::{Look, Pin};
 use crate::app::track::Track;
 use crate::scene::Scene;
 use crate::simulation::{Action, Change};
+use crate::study::stability::outlook;
 
 /// The least time between two pictures of a run in progress.
 const BETWEEN_PICTURES: Duration = Duration::from_millis(30);
@@ -99,6 +100,9 @@ impl Desk {
         let Some(run) = self.run else { return };
         if self.iteration() < run.until {
             self.act(Action::Propagate);
+            if self.run.is_none() {
+                return self.picture(false);
+            }
         }
         if self.iteration() >= run.until {
             self.run = None;
@@ -144,6 +148,8 @@ impl Desk {
                 self.pin = pin;
                 self.tell_pin();
             }
+            #[cfg(test)]
+            Order::Panic => panic!("as ordered"),
             Order::Budget(bytes) => {
                 self.budget = bytes;
                 let each = bytes / self.tracks.len().max(1);
@@ -172,6 +178,11 @@ impl Desk {
             }
         }
         self.picture(false);
+        let warnings: Vec<String> =
+            self.tracks.iter().filter_map(|track| outlook::warning(track.now().scene())).collect();
+        if let Some(line) = warnings.into_iter().next() {
+            self.tell(News::Warned(line));
+        }
     }
 
     fn tracks_of(&self, load: &Load) -> Result<Vec<Track>, String> {
@@ -197,6 +208,12 @@ impl Desk {
         }
         self.seconds = started.elapsed().as_secs_f64();
         let Some(change) = first else { return };
+        // A propagator whose light diverges keeps its last good state, and the run ends there.
+        let divergence = self.tracks.iter().find_map(|track| track.now().divergence());
+        if let Some(divergence) = divergence {
+            self.run = None;
+            self.tell(News::Failed(format!("{divergence}; use a smaller factor")));
+        }
         self.merged = action == Action::Merge || (self.merged && !change.accumulated);
         self.tell_progress(Some(change));
     }

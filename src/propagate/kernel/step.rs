@@ -5,9 +5,11 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::carve::{Planes, Tied, cut_marks, runs, slab_of};
+use super::form::Form;
 use super::slab::{Source, advance};
-use super::{Level, Order, Tally};
+use super::{Instructions, Level, Order, Tally};
 use crate::field::{Grid, Marks};
+use crate::propagate::active::everywhere;
 use crate::sh::Real;
 
 /// Fewer cells than these are not worth waking another thread: about a 32³ grid.
@@ -48,6 +50,31 @@ pub fn step<T: Real>(order: &Order<T>, level: &mut Level<'_, T>, pieces: usize, 
     let tallies: Vec<Vec<Tally>> =
         if pieces == 1 { work.into_iter().map(run).collect() } else { work.into_par_iter().map(run).collect() };
     tallies.into_iter().flatten().fold(Tally::NONE, Tally::and)
+}
+
+/// What all cells of `source` send to their neighbours, clamps and all, with nothing left out: an iteration
+/// outside of any run.
+pub fn once<T: Real>(form: &Form<T>, mut source: Grid<T>) -> Grid<T> {
+    let n = source.side();
+    let mut target = Grid::new(n);
+    let order = Order {
+        form: *form,
+        linear: false,
+        drop_dark: false,
+        cone: None,
+        energy: false,
+        instructions: Instructions::Best,
+    };
+    let mut level = Level {
+        source: &mut source,
+        source_lit: &mut everywhere(n),
+        target: &mut target,
+        target_lit: &mut Marks::new(n),
+        sum: None,
+        marks: &mut Marks::new(n),
+    };
+    step(&order, &mut level, pieces(rayon::current_num_threads(), n.pow(3)), None);
+    target
 }
 
 /// What one piece of work writes.

@@ -3,14 +3,12 @@
 
 use std::f64::consts::PI;
 
-use super::{Borders, Start, growth};
+use super::level::{critical, long_run_growth, without_borders};
+use crate::field::Levels;
+use crate::propagate::levels::{LevelOperator, operators};
 use crate::propagate::scheme::{self, Scheme};
-use crate::propagate::stencil::Stencil;
 use crate::scene::Scene;
 use crate::simulation::limit;
-
-/// The largest side whose growth is computed; beyond it the law of large volumes is near enough.
-const LARGEST_COMPUTED: usize = 32;
 
 /// What becomes of the light of one level.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,65 +26,59 @@ pub struct Outlook {
 }
 
 /// The outlook of every level of a scene, occluders aside: they remove light, and only a bounce, which
-/// the preset must ask for, gives some back. Empty where the scheme has no such name.
+/// the preset must ask for, gives some back. Empty where the scene cannot be run.
 pub fn levels(scene: &Scene) -> Vec<Outlook> {
+    let Some((scheme, sizes, operators)) = parts(scene) else { return Vec::new() };
+    let outlook =
+        |(level, operator): (usize, LevelOperator<f64>)| of_level(scene, &scheme, level, sizes.side(level), &operator);
+    operators.into_iter().enumerate().map(outlook).collect()
+}
+
+fn of_level(scene: &Scene, scheme: &Scheme, level: usize, side: usize, operator: &LevelOperator<f64>) -> Outlook {
     let propagation = &scene.propagation;
-    let Some(scheme) = scheme::find(&propagation.scheme) else { return Vec::new() };
-    let gains = Gains::new(&scheme, propagation.clamp, scene.size);
-    let sides = (0..).map(|i| scene.size >> i).take_while(|side| *side >= scene.coarsest.max(1));
-    let outlook = |(level, side): (usize, usize)| {
-        let gain = gains.of(side);
-        let growth = propagation.factor * gain;
-        Outlook { level, side, critical: 1.0 / gain, growth, overflow: overflow(scene, level, side, growth) }
-    };
-    sides.enumerate().map(outlook).collect()
+    let growth = long_run_growth(&operator.stencil, side);
+    let critical = critical(scheme, propagation.clamp, propagation.levels, level, side);
+    Outlook { level, side, critical, growth, overflow: overflow(scene, level, side, growth) }
 }
 
 /// The level whose numbers overflow first, if any does. A factor that is safe in a volume without borders
 /// is safe on every level, and costs nothing to tell.
 pub fn first_to_overflow(scene: &Scene) -> Option<Outlook> {
-    let scheme = scheme::find(&scene.propagation.scheme)?;
-    if scene.propagation.factor * without_borders(&scheme) <= 1.0 {
-        return None;
-    }
-    levels(scene).into_iter().filter(|level| level.overflow.is_some()).min_by_key(|level| level.overflow)
-}
-
-/// λ at p = 1 of a scheme, by the side of the volume.
-struct Gains {
-    computed: Vec<(usize, f64)>,
-    without_borders: f64,
-}
-
-impl Gains {
-    fn new(scheme: &Scheme, clamp: bool, largest: usize) -> Self {
-        let stencil = Stencil::new(scheme, 1.0, clamp);
-        let sides = (1..).map(|i| 1 << i).take_while(|side| *side <= largest.min(LARGEST_COMPUTED));
-        let computed = sides.map(|side| (side, growth(&stencil, Start::Arch, Borders::Open(side)))).collect();
-        Gains { computed, without_borders: without_borders(scheme) }
-    }
-
-    /// From a lone cell all light leaves. Beyond the computed sides λ(n) = λ(∞)·(1 − a/(n + b)²), as for
-    /// diffusion between walls that lie b/2 outside the volume; a and b fit the two largest computed sides.
-    fn of(&self, side: usize) -> f64 {
-        if side == 1 {
-            return 0.0;
+    let (scheme, sizes, operators) = parts(scene)?;
+    let mut first: Option<(usize, usize)> = None;
+    for (level, operator) in operators.iter().enumerate() {
+        if without_borders(&operator.stencil) <= 1.0 {
+            continue;
         }
-        if let Some((_, gain)) = self.computed.iter().find(|(computed, _)| *computed == side) {
-            return *gain;
+        let side = sizes.side(level);
+        let growth = long_run_growth(&operator.stencil, side);
+        let sooner = |k: &usize| first.is_none_or(|(earliest, _)| *k < earliest);
+        if let Some(k) = overflow(scene, level, side, growth).filter(sooner) {
+            first = Some((k, level));
         }
-        let [.., (n0, g0), (n1, g1)] = self.computed[..] else { return self.without_borders };
-        let missing = |gain: f64| (1.0 - gain / self.without_borders).sqrt();
-        let (n0, n1, n) = (n0 as f64, n1 as f64, side as f64);
-        let b = (n1 * missing(g1) - n0 * missing(g0)) / (missing(g0) - missing(g1));
-        let shortfall = missing(g1) * (n1 + b) / (n + b);
-        self.without_borders * (1.0 - shortfall * shortfall)
     }
+    let (_, level) = first?;
+    Some(of_level(scene, &scheme, level, sizes.side(level), &operators[level]))
 }
 
-/// λ at p = 1 without borders: that of a uniform field, which no other mode exceeds.
-fn without_borders(scheme: &Scheme) -> f64 {
-    Stencil::<f64>::new(scheme, 1.0, true).uniform_gain().into_iter().fold(0.0, f64::max)
+/// What people are told before a scene runs, if a level of it will overflow.
+pub fn warning(scene: &Scene) -> Option<String> {
+    let found = first_to_overflow(scene)?;
+    let percent = 100.0 * (found.growth - 1.0);
+    Some(format!(
+        "the factor {} exceeds {:.2}, the critical one of level {} ({}³): its light grows by {percent:.2} % an iteration \
+         and will overflow about iteration {}",
+        scene.propagation.factor, found.critical, found.level, found.side, found.overflow?
+    ))
+}
+
+/// The scheme, the levels and their operators; none where the simulation will refuse one of them.
+fn parts(scene: &Scene) -> Option<(Scheme, Levels, Vec<LevelOperator<f64>>)> {
+    let propagation = &scene.propagation;
+    let scheme = scheme::find(&propagation.scheme)?;
+    let sizes = Levels::new(scene.size, scene.coarsest)?;
+    let operators = operators(&scheme, propagation.factor, propagation.clamp, propagation.levels, sizes.count());
+    Some((scheme, sizes, operators.ok()?))
 }
 
 /// The iteration in which the accumulated light reaches what f32 may hold. What grows is the share of the
@@ -116,7 +108,6 @@ fn overflow(scene: &Scene, level: usize, side: usize, growth: f64) -> Option<usi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::propagate::cascaded;
     use crate::scene::preset::Propagation;
     use crate::scene::{Occlusion, Source};
     use crate::sh::Sh;
@@ -156,13 +147,5 @@ mod tests {
             let found = simulation.divergence().unwrap().iteration;
             assert!(found.abs_diff(told) <= 3 + told / 20, "{size}³ at {factor}: {told} told, {found} found");
         }
-    }
-
-    #[test]
-    fn large_volumes_continue_the_law_of_the_computed_ones() {
-        let gains = Gains::new(&cascaded::scheme(), true, 16);
-        let computed = growth(&Stencil::new(&cascaded::scheme(), 1.0, true), Start::Arch, Borders::Open(32));
-        assert!((gains.of(32) / computed - 1.0).abs() < 1e-4, "{}, {computed}", gains.of(32));
-        assert!(gains.of(32) < gains.of(64) && gains.of(1024) < 0.25);
     }
 }

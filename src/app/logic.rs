@@ -1,0 +1,135 @@
+//! What happens between frames: news from the worker, keys, play, files; and what is asked to be seen.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use egui::Context;
+
+use super::closing::Next;
+use super::command::{self, Command};
+use super::files::Purpose;
+use super::lab::Lab;
+use super::look::{CloudAsk, Light, Look, Pane, State};
+use super::view::Stage;
+use super::worker::{News, Order};
+use crate::simulation::Action;
+use crate::study::error::Metric;
+
+impl Lab {
+    /// Everything that happens between frames: news, keys, play.
+    pub fn logic(&mut self, ctx: &Context) {
+        let news: Vec<News> = self.worker.news().collect();
+        news.into_iter().for_each(|news| self.hear(news));
+        // While a question stands, keys are for answering it.
+        if self.next.is_none() && !self.files.asks() {
+            for command in command::pressed(ctx, |command| self.can(command)) {
+                self.perform(command, ctx);
+            }
+        }
+        let now = ctx.input(|input| input.time);
+        if self.waiting.is_some_and(f64::is_nan) {
+            self.waiting = Some(now);
+        }
+        self.play(ctx, now);
+        if self.document.note(now) {
+            ctx.request_repaint_after_secs(0.25);
+        }
+        if self.settings.rerun && self.is_stale() && self.is_idle() && self.document.preset.check().is_ok() {
+            self.perform(Command::Rerun, ctx);
+        }
+        if let Some((purpose, path)) = self.files.chosen() {
+            self.use_file(purpose, &path, ctx);
+        }
+        self.drop_files(ctx);
+        let look = self.look();
+        if self.asked.as_ref() != Some(&look) {
+            self.worker.order(Order::Look(look.clone()));
+            self.asked = Some(look);
+            self.answered = false;
+        }
+    }
+
+    fn play(&mut self, ctx: &Context, now: f64) {
+        let Some(due) = self.playing else { return };
+        if self.progress.iteration >= self.document.preset.propagation.iterations {
+            self.playing = None;
+            return;
+        }
+        if now >= due && self.waiting.is_none() {
+            self.act(Action::Propagate);
+            self.playing = Some(now + 1.0 / self.settings.pace.max(0.1));
+        }
+        ctx.request_repaint_after_secs((due - now).clamp(0.005, 1.0) as f32);
+    }
+
+    fn hear(&mut self, news: News) {
+        match news {
+            News::Done { change, progress, errors } => {
+                self.waiting = None;
+                self.answered = false;
+                self.change = change.or(self.change);
+                self.progress = progress;
+                if self.centre {
+                    self.centre = false;
+                    self.settings.view.index = progress.brightest[self.settings.view.across.min(2)];
+                }
+                for (run, rows) in self.runs.iter_mut().zip(errors) {
+                    run.update(progress.iteration, rows);
+                }
+            }
+            News::Shown { look, panes, cloud } => {
+                if self.asked.as_ref() == Some(&look) {
+                    self.answered = true;
+                    self.shown = panes;
+                    self.scales = None;
+                    self.cloud = cloud.map(Arc::new);
+                }
+            }
+            News::Pinned(pin, samples) => {
+                if self.pin == Some(pin) {
+                    self.pinned = samples;
+                }
+            }
+            News::Warned(line) => self.say(line),
+            News::Failed(line) => {
+                self.waiting = None;
+                self.answered = true;
+                self.progress.until = None;
+                self.fail(line);
+            }
+        }
+    }
+
+    /// Does with a file what it was chosen for.
+    fn use_file(&mut self, purpose: Purpose, path: &Path, ctx: &Context) {
+        match purpose {
+            Purpose::Open => self.ask_to_lose(Next::Open(path.to_path_buf()), ctx),
+            Purpose::SaveAs => self.save_as(Some(path.to_path_buf())),
+            Purpose::Export(command) => self.export(command, path),
+            Purpose::Injector(i) => self.injector_file(i, path),
+            Purpose::Occluder(i) => self.occluder_file(i, path),
+        }
+    }
+
+    /// Whether errors of cells are against a uniform volume: whenever the plots' are not the thesis's.
+    pub(super) fn measures_uniform(&self) -> bool {
+        self.settings.plots.metric != Metric::Thesis.name()
+    }
+
+    /// What is to be seen.
+    fn look(&self) -> Look {
+        let view = &self.settings.view;
+        let state = State { track: 0, iteration: self.at };
+        let pane = |light| Pane { light, state, minus: None };
+        let (panes, cloud) = match view.stage {
+            Stage::Grids => (Light::ALL.map(pane).to_vec(), None),
+            Stage::Compare => (self.comparison.panes(self.at, self.runs.len()), None),
+            Stage::Space => {
+                let ask = CloudAsk { pane: pane(self.comparison.light), threshold: self.space.eye.threshold };
+                (vec![ask.pane], Some(ask))
+            }
+        };
+        let uniform = self.measures_uniform();
+        Look { panes, layer: view.layer, plane: view.plane(), uniform, cloud }
+    }
+}

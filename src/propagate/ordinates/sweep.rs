@@ -1,0 +1,131 @@
+//! All the way of all light of one octant, in one pass through the cells in the order of the wind.
+//!
+//! A cell's three downwind neighbours are visited after it, so all that must be kept of the flux is what
+//! is under way: one row along x, one row of y faces, one slab of z faces. Directions lie side by side in
+//! the lanes.
+
+use multiversion::multiversion;
+
+use super::shares::Rule;
+use super::{Group, LANES, Lanes, Octant};
+use crate::field::Grid;
+use crate::propagate::kernel::FLOOR;
+use crate::propagate::transparency::Transparency;
+use crate::sh::{K0, K1, Sh};
+
+/// Adds what arrives in each cell to `arrived`.
+pub(super) fn sweep(
+    octant: &Octant,
+    rule: Rule,
+    injected: &Grid<f32>,
+    occluders: Option<&Transparency>,
+    arrived: &mut Grid<f32>,
+) {
+    if !octant.groups.is_empty() {
+        best(octant, rule, injected, occluders, arrived);
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
+fn best(octant: &Octant, rule: Rule, injected: &Grid<f32>, occluders: Option<&Transparency>, arrived: &mut Grid<f32>) {
+    match rule {
+        Rule::Donor => any::<true>(octant, injected, occluders, arrived),
+        Rule::Faces => any::<false>(octant, injected, occluders, arrived),
+    }
+}
+
+#[inline(always)]
+fn any<const DONOR: bool>(
+    octant: &Octant,
+    injected: &Grid<f32>,
+    occluders: Option<&Transparency>,
+    arrived: &mut Grid<f32>,
+) {
+    let layout = injected.layout();
+    let n = layout.side();
+    let groups = &octant.groups;
+    let along = |axis: usize, i: usize| if octant.backwards[axis] { n - 1 - i } else { i };
+    let dark = [0.0; LANES];
+    let mut by_z = vec![dark; n * n * groups.len()];
+    let mut by_y = vec![dark; n * groups.len()];
+    let mut by_x = vec![dark; groups.len()];
+    let sums = arrived.planes_mut();
+    for zi in 0..n {
+        by_y.fill(dark);
+        for yi in 0..n {
+            by_x.fill(dark);
+            let by_z = &mut by_z[yi * n * groups.len()..][..n * groups.len()];
+            for xi in 0..n {
+                let cell = [along(0, xi), along(1, yi), along(2, zi)];
+                let at = layout.index(cell);
+                let light = injected.at(at);
+                let lit = !light.is_zero();
+                let passes = occluders.map_or(1.0, |occluders| occluders.at(cell));
+                let ahead = xi * groups.len()..(xi + 1) * groups.len();
+                let under_way = by_x.iter_mut().zip(&mut by_y[ahead.clone()]).zip(&mut by_z[ahead]);
+                let mut sum = [dark; 4];
+                for (group, ((x, y), z)) in groups.iter().zip(under_way) {
+                    let sent = if lit { group.sent(light) } else { dark };
+                    [*x, *y, *z] = group.cross::<DONOR>([*x, *y, *z], sent, passes, &mut sum);
+                }
+                sums[0][at] += K0 as f32 * total(sum[0]);
+                for c in 1..4 {
+                    sums[c][at] += K1 as f32 * total(sum[c]);
+                }
+            }
+        }
+    }
+}
+
+impl Group {
+    /// What a cell that holds `light` sends in each direction.
+    #[inline(always)]
+    pub(super) fn sent(&self, light: Sh<f32>) -> Lanes {
+        let Sh([c00, x, y, z]) = light;
+        let (mean, [x, y, z]) = (K0 as f32 * c00, [x, y, z].map(|c| K1 as f32 * c));
+        let mut sent = [0.0; LANES];
+        for l in 0..LANES {
+            let value = mean + (x * self.way[0][l] + y * self.way[1][l] + z * self.way[2][l]);
+            sent[l] = value.max(0.0) * self.weight[l];
+        }
+        sent
+    }
+
+    /// Takes the flux that comes in by the low faces through a cell: adds it to `sum`, as Σ F and
+    /// Σ F·u, and returns what leaves by the far faces.
+    #[inline(always)]
+    pub(super) fn cross<const DONOR: bool>(
+        &self,
+        came: [Lanes; 3],
+        sent: Lanes,
+        passes: f32,
+        sum: &mut [Lanes; 4],
+    ) -> [Lanes; 3] {
+        let mut leaves = [[0.0; LANES]; 3];
+        for l in 0..LANES {
+            let flux = came[0][l] + came[1][l] + came[2][l];
+            sum[0][l] += flux;
+            for j in 0..3 {
+                sum[1 + j][l] += flux * self.way[j][l];
+                let left = if DONOR {
+                    self.start[j][l] * (flux * passes + sent[l])
+                } else {
+                    let through: f32 = self.through[0][j][l] * came[0][l]
+                        + self.through[1][j][l] * came[1][l]
+                        + self.through[2][j][l] * came[2][l];
+                    through * passes + self.start[j][l] * sent[l]
+                };
+                // Beams fade sideways without end; denormal numbers would cost more than all the rest.
+                leaves[j][l] = if left < FLOOR as f32 { 0.0 } else { left };
+            }
+        }
+        leaves
+    }
+}
+
+/// The sum over the lanes, in an order that every instruction set keeps.
+#[inline(always)]
+fn total(lanes: Lanes) -> f32 {
+    let [a, b, c, d, e, f, g, h] = lanes;
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
+}

@@ -1,0 +1,140 @@
+//! A grid cut in two like a chessboard, so that every neighbour of a cell is in the other half.
+//!
+//! In row (y, z) the cells of half h have x = 2·j + s with s = (y + z + h) mod 2. Its neighbours along y and z
+//! have the same j in the other half, those along x have j − 1 + s and j + s: a row of one half is computed
+//! from unbroken rows of the other. The 2 × 2 × 2 children of a coarse cell are four cells of each half, all
+//! with j the coarse x.
+
+use crate::field::Grid;
+
+/// Where the cells of a half lie: slab by slab, in each the four planes, all with a dark border.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shape {
+    /// Cells along a side of the whole grid, at least 2.
+    pub n: usize,
+}
+
+impl Shape {
+    /// Cells in a row.
+    pub fn width(self) -> usize {
+        self.n / 2
+    }
+
+    /// From a row to the next. The last number of each is dark, and so the one before the next.
+    pub fn row(self) -> usize {
+        self.width() + 1
+    }
+
+    /// Numbers in one plane of a slab, a dark row at either end.
+    pub fn plane(self) -> usize {
+        self.row() * (self.n + 2)
+    }
+
+    /// Numbers in a slab.
+    pub fn slab(self) -> usize {
+        4 * self.plane()
+    }
+
+    /// Where row y begins in a plane of a slab.
+    pub fn start(self, y: usize) -> usize {
+        (y + 1) * self.row()
+    }
+}
+
+/// One half of a grid.
+#[derive(Clone, Debug)]
+pub struct Half {
+    /// All slabs, with a dark one before the first and behind the last.
+    pub numbers: Vec<f32>,
+}
+
+impl Half {
+    /// A dark half.
+    pub fn new(shape: Shape) -> Self {
+        Half { numbers: vec![0.0; (shape.n + 2) * shape.slab()] }
+    }
+
+    /// Where slab z begins.
+    fn at(shape: Shape, z: usize) -> usize {
+        (z + 1) * shape.slab()
+    }
+
+    /// Slab z with its four planes.
+    pub fn slab(&self, shape: Shape, z: usize) -> &[f32] {
+        &self.numbers[Self::at(shape, z)..][..shape.slab()]
+    }
+
+    /// Slabs z − 1, z and z + 1.
+    pub fn around(&self, shape: Shape, z: usize) -> [&[f32]; 3] {
+        let [before, here, behind] = [0, 1, 2].map(|i| (z + i) * shape.slab());
+        [before, here, behind].map(|from| &self.numbers[from..][..shape.slab()])
+    }
+
+    /// All slabs, to write in; their borders must stay dark.
+    pub fn slabs_mut(&mut self, shape: Shape) -> &mut [f32] {
+        let slab = shape.slab();
+        &mut self.numbers[slab..][..shape.n * slab]
+    }
+}
+
+/// The parity s of the cells of half `h` in row (y, z).
+pub fn parity(h: usize, y: usize, z: usize) -> usize {
+    (y + z + h) % 2
+}
+
+/// Both halves of a grid.
+pub fn split(grid: &Grid<f32>) -> [Half; 2] {
+    let shape = Shape { n: grid.side() };
+    let mut halves = [Half::new(shape), Half::new(shape)];
+    for (plane, numbers) in grid.planes().iter().enumerate() {
+        for (y, z) in rows(shape.n) {
+            let row = &numbers[grid.layout().row_start(y, z)..][..shape.n];
+            let at = Half::at(shape, z) + plane * shape.plane() + shape.start(y);
+            for (half, s) in halves.iter_mut().zip([(y + z) % 2, (y + z + 1) % 2]) {
+                let to = &mut half.numbers[at..][..shape.width()];
+                to.iter_mut().zip(row[s..].iter().step_by(2)).for_each(|(to, c)| *to = *c);
+            }
+        }
+    }
+    halves
+}
+
+/// Adds both halves to a grid.
+pub fn join(halves: &[Half; 2], grid: &mut Grid<f32>) {
+    let shape = Shape { n: grid.side() };
+    let layout = grid.layout();
+    for (plane, numbers) in grid.planes_mut().into_iter().enumerate() {
+        for (y, z) in rows(shape.n) {
+            let row = &mut numbers[layout.row_start(y, z)..][..shape.n];
+            let at = Half::at(shape, z) + plane * shape.plane() + shape.start(y);
+            for (half, s) in halves.iter().zip([(y + z) % 2, (y + z + 1) % 2]) {
+                let from = &half.numbers[at..][..shape.width()];
+                row[s..].iter_mut().step_by(2).zip(from).for_each(|(to, c)| *to += *c);
+            }
+        }
+    }
+}
+
+/// Every row (y, z).
+fn rows(n: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..n).flat_map(move |z| (0..n).map(move |y| (y, z)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sh::Sh;
+
+    #[test]
+    fn what_is_split_is_joined_again() {
+        for n in [2, 4, 8] {
+            let mut grid = Grid::new(n);
+            for (i, cell) in grid.layout().cells().enumerate() {
+                grid.set(cell, Sh([i as f32 + 1.0, -(i as f32), 0.5, 2.0]));
+            }
+            let mut joined = Grid::new(n);
+            join(&split(&grid), &mut joined);
+            assert_eq!(joined, grid);
+        }
+    }
+}

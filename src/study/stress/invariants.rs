@@ -1,0 +1,213 @@
+//! What must be true of every scene, and the check of one preset against all of it.
+
+mod again;
+mod steps;
+
+use std::fmt;
+use std::path::Path;
+
+use crate::propagate::levels::operators;
+use crate::propagate::scheme::{self, Scheme};
+use crate::propagate::stencil::Stencil;
+use crate::scene::occluder::OcclusionMode;
+use crate::scene::{Preset, Propagation, Scene};
+use crate::simulation::{Action, Simulation, SimulationError};
+
+/// A rule that no scene may break.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Invariant {
+    /// A preset that passes its check can be run.
+    Runs,
+    /// No coefficient is NaN or infinite, and after an iteration none is denormal, which would be slow.
+    Finite,
+    /// With every face clamped no cell holds negative energy.
+    NonNegative,
+    /// With every face clamped an iteration gains no more than it would from the lone lobe it gains most from.
+    Energy,
+    /// With every face clamped accumulated light never becomes less.
+    Accumulates,
+    /// After k iterations light is only where k steps lead from its source: in reach, and of its parity.
+    Reach,
+    /// Single precision keeps within its bound of double precision.
+    Precision,
+    /// A run in one go gives the bits that single steps give.
+    Again,
+    /// A scene without occluders, turned or mirrored, gives its light turned or mirrored.
+    Symmetry,
+    /// Below the critical factor light dies away, in the end steadily.
+    Converges,
+}
+
+impl Invariant {
+    /// Every rule.
+    pub const ALL: [Invariant; 10] = [
+        Invariant::Runs,
+        Invariant::Finite,
+        Invariant::NonNegative,
+        Invariant::Energy,
+        Invariant::Accumulates,
+        Invariant::Reach,
+        Invariant::Precision,
+        Invariant::Again,
+        Invariant::Symmetry,
+        Invariant::Converges,
+    ];
+
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Invariant::Runs => "runs",
+            Invariant::Finite => "finite",
+            Invariant::NonNegative => "non-negative",
+            Invariant::Energy => "energy",
+            Invariant::Accumulates => "accumulates",
+            Invariant::Reach => "reach and parity",
+            Invariant::Precision => "f32 near f64",
+            Invariant::Again => "steps = run",
+            Invariant::Symmetry => "symmetry",
+            Invariant::Converges => "converges",
+        }
+    }
+}
+
+/// A rule that was broken, and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Broken {
+    /// The rule.
+    pub invariant: Invariant,
+    /// Where, and by how much.
+    pub how: String,
+}
+
+impl fmt::Display for Broken {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.invariant.name(), self.how)
+    }
+}
+
+/// What a check found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Report {
+    /// Iterations done in single precision.
+    pub iterations: usize,
+    /// Whether the run was stopped because its light would have overflowed.
+    pub stopped: bool,
+    /// The rules that this scene was held against.
+    pub checked: Vec<Invariant>,
+    /// The first rule that it broke.
+    pub broken: Option<Broken>,
+}
+
+/// A scene and what is known of it before it runs.
+struct Case {
+    scene: Scene,
+    scheme: Scheme,
+    /// Every face is clamped, so that light is a sum of lobes with weights of zero or more.
+    clamped: bool,
+    /// Nothing stands in the light's way.
+    free: bool,
+}
+
+impl Case {
+    fn new(preset: &Preset) -> Result<Self, String> {
+        let scene = Scene::build(preset, Path::new("")).map_err(|error| error.to_string())?;
+        let scheme = scheme::find(&scene.propagation.scheme).ok_or("the scheme is not known")?;
+        let clamped = scene.propagation.clamp && scheme.faces.iter().all(|face| face.clamp);
+        let free = scene.blockers.is_empty() || scene.occlusion.mode == OcclusionMode::Off;
+        Ok(Case { scene, scheme, clamped, free })
+    }
+
+    /// The operator of every level.
+    fn stencils(&self) -> Result<Vec<Stencil<f64>>, SimulationError> {
+        let Propagation { factor, clamp, levels, .. } = self.scene.propagation;
+        let count = (self.scene.size / self.scene.coarsest).ilog2() as usize + 1;
+        let operators = operators(&self.scheme, factor, clamp, levels, count)?;
+        Ok(operators.into_iter().map(|operator| operator.stencil).collect())
+    }
+
+    /// The rules that apply.
+    fn rules(&self) -> Vec<Invariant> {
+        let settled = again::settles(self);
+        let applies = |rule: &Invariant| match rule {
+            Invariant::Runs | Invariant::Finite | Invariant::Reach | Invariant::Again => true,
+            Invariant::NonNegative | Invariant::Accumulates => self.clamped,
+            // Reflected light is new light.
+            Invariant::Energy => self.clamped && (self.free || self.reflects_nothing()),
+            Invariant::Precision => self.clamped && self.free && self.scene.propagation.factor <= 16.0,
+            Invariant::Symmetry => self.free,
+            Invariant::Converges => settled,
+        };
+        Invariant::ALL.into_iter().filter(applies).collect()
+    }
+
+    fn reflects_nothing(&self) -> bool {
+        self.scene.occlusion.bounce == 0.0 && self.scheme.surface == scheme::Surface::Blocked
+    }
+}
+
+/// Holds a preset against every rule that applies to it.
+pub fn check(preset: &Preset) -> Report {
+    let mut report = Report { iterations: 0, stopped: false, checked: vec![Invariant::Runs], broken: None };
+    let runs = |how: String| Some(Broken { invariant: Invariant::Runs, how });
+    let case = match Case::new(preset) {
+        Ok(case) => case,
+        Err(how) => return Report { broken: runs(how), ..report },
+    };
+    let started = || {
+        let (narrow, wide) = (Simulation::new(case.scene.clone())?, Simulation::new(case.scene.clone())?);
+        Ok((narrow, wide, case.stencils()?))
+    };
+    let (mut narrow, mut wide, stencils) = match started() {
+        Ok(started) => started,
+        // Some factors have no operator on coarse levels; that is refused by name.
+        Err(SimulationError::TooLarge(_)) => return report,
+        Err(error) => return Report { broken: runs(error.to_string()), ..report },
+    };
+    report.checked = case.rules();
+    report.broken = step_through(&case, &stencils, &report.checked, &mut narrow, &mut wide).err();
+    report.iterations = narrow.iteration();
+    report.stopped = narrow.divergence().is_some();
+    if report.broken.is_none() {
+        report.broken = again::check(&case, &report.checked, &narrow, &wide).err();
+    }
+    report
+}
+
+/// Runs both precisions side by side and looks at every step.
+fn step_through(
+    case: &Case,
+    stencils: &[Stencil<f64>],
+    rules: &[Invariant],
+    narrow: &mut Simulation<f32>,
+    wide: &mut Simulation<f64>,
+) -> Result<(), Broken> {
+    for action in [Action::Inject, Action::Downsample] {
+        narrow.act(action);
+        wide.act(action);
+    }
+    let mut watch = steps::Watch::new(case, stencils, narrow);
+    watch.check(rules, narrow, wide)?;
+    for _ in 0..case.scene.propagation.iterations {
+        narrow.act(Action::Propagate);
+        if narrow.divergence().is_some() {
+            break;
+        }
+        wide.act(Action::Propagate);
+        watch.check(rules, narrow, wide)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_that_a_wall_sends_back_at_once_breaks_no_rule() {
+        let text = "(version: 1, size: 2, injectors: [(kind: Single(cell: (1, 0, 1)))],
+            occluders: [(kind: Plane(axis: Y, at: 1), albedo: (0.8, 0.8, 0.8))],
+            occlusion: (mode: Hard, bounce: 0.2), propagation: (scheme: \"axial\", iterations: 3))";
+        let report = check(&Preset::parse(text, Path::new("p.ron")).unwrap());
+        assert_eq!((report.broken, report.iterations), (None, 3));
+    }
+}
