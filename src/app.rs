@@ -1,6 +1,6 @@
 //! The window: step the propagation and watch it, put propagators side by side, take the error plots home.
 //!
-//! [`lab`] holds the state and obeys [`command`]s, [`layout`] draws it, and [`worker`] computes on a thread
+//! `lab` holds the state and obeys `command`s, `layout` draws it, and `worker` computes on a thread
 //! of its own, so that the window never waits for a volume.
 
 mod closing;

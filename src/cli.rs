@@ -3,6 +3,7 @@
 mod bench;
 mod cells;
 mod compare;
+mod course;
 mod load;
 mod output;
 mod pareto;

@@ -1,4 +1,5 @@
 //! The program from outside: what it writes, what it says, how it ends.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::path::Path;
 

@@ -1,4 +1,5 @@
 //! The comparison of schemes, against what is known of light in free space and behind walls; and the commands.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use assert_cmd::Command;
 use glam::DVec3;

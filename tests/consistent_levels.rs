@@ -1,5 +1,6 @@
 //! Levels that agree: the corrected and the merged error of consistent levels against those of the same
 //! factor on all levels.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 #![allow(clippy::unwrap_used)]
 

@@ -1,4 +1,5 @@
 //! The thesis's published figures, by number.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use glam::DVec3;
 use lpv_lab::scene::preset::Propagation;

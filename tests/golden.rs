@@ -1,5 +1,6 @@
 //! The `cells` command against vectors that other programs made: one written in float64 from the
 //! published formulas, and a published shader executed by a software rasteriser (tests/golden/README.md).
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -162,18 +162,16 @@ fn what_is_no_file_is_refused_and_never_waited_for() {
     let device = |path: &Path| std::os::unix::fs::symlink("/dev/zero", path).expect("a link");
     let itself = |path: &Path| std::os::unix::fs::symlink(path, path).expect("a link");
     let folder = |path: &Path| fs::create_dir(path).expect("a folder");
-    let makers: [(&dyn Fn(&Path), &str); 4] = [
-        (&pipe, "a pipe or a device"),
-        (&device, "a pipe or a device"),
-        (&itself, "a.csv"),
-        (&folder, "this is a folder"),
-    ];
-    for (make, word) in makers {
+    let check = |make: &dyn Fn(&Path), word| {
         let (_folder, presets) = with_file("a.csv", make);
         for preset in presets {
             refused(cells(&preset), &[word, ".ron:2:"]);
         }
-    }
+    };
+    check(&pipe, "a pipe or a device");
+    check(&device, "a pipe or a device");
+    check(&itself, "a.csv");
+    check(&folder, "this is a folder");
     let (_folder, [outside, _]) = with_file("../a.csv", |_| ());
     refused(cells(&outside), &["out of the preset's folder"]);
 }

@@ -1,5 +1,6 @@
 //! What must hold for every scene: the symmetries of the cube, linearity, parity and reach, stepping = running,
 //! the index volume and the merge by their definitions.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod cube;
 

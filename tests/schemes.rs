@@ -1,4 +1,5 @@
 //! One suite of properties, instantiated for every propagation scheme: free, and among occluders.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod cube;
 

@@ -1,5 +1,6 @@
 //! Whatever way a simulation is run, the light is the same: to the bit where only skipping, threads,
 //! blocking or instruction sets differ, to rounding where the kernel does.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::path::Path;
 

@@ -228,15 +228,17 @@ impl Command {
     }
 }
 
-/// The commands whose keys were pressed. Keys that mean something to a text field are left to it.
-pub fn pressed(ctx: &egui::Context) -> Vec<Command> {
+/// The commands whose keys were pressed, of those that can be given. Keys that mean something to a text
+/// field are left to it, and keys without a use to whatever else listens.
+pub fn pressed(ctx: &egui::Context, can: impl Fn(Command) -> bool) -> Vec<Command> {
     let typing = ctx.egui_wants_keyboard_input();
-    // The longer shortcut first: Ctrl+Shift+S would be taken for Ctrl+S.
     let mut commands: Vec<(Command, KeyboardShortcut)> =
         Command::ALL.iter().filter_map(|command| Some((*command, command.shortcut()?))).collect();
+    // The longer shortcut first: Ctrl+Shift+S would be taken for Ctrl+S.
     commands.sort_by_key(|(_, shortcut)| !shortcut.modifiers.shift);
-    let free = commands.into_iter().filter(|(_, shortcut)| !typing || !shortcut.conflicts_with_text_editing());
-    free.filter(|(_, shortcut)| ctx.input_mut(|input| input.consume_shortcut(shortcut))).map(|(c, _)| c).collect()
+    commands.retain(|(command, shortcut)| can(*command) && !(typing && shortcut.conflicts_with_text_editing()));
+    commands.retain(|(_, shortcut)| ctx.input_mut(|input| input.consume_shortcut(shortcut)));
+    commands.into_iter().map(|(command, _)| command).collect()
 }
 
 #[cfg(test)]

@@ -132,16 +132,20 @@ pub fn propagators(lab: &mut Lab, ui: &mut Ui) {
                 let factor =
                     DragValue::new(&mut other.factor).range(0.0..=100.0).speed(0.01).max_decimals(6).prefix("p = ");
                 name(&ui.add(factor).on_hover_text("The propagation factor"), &full("factor"));
-                let mut consistent = other.levels == Policy::Consistent;
-                let levels = ui
-                    .checkbox(&mut consistent, "levels")
-                    .on_hover_text("Levels that agree, in place of one factor for all");
-                name(&levels, &full("consistent levels"));
-                other.levels = if consistent { Policy::Consistent } else { Policy::Same };
                 let remove = format!("Remove propagator {}", letter(i + 1));
                 if controls::small_button(ui, "✖", &remove).clicked() {
                     gone = Some(i);
                 }
+            });
+            ui.horizontal(|ui| {
+                let full = |what: &str| format!("Propagator {} {what}", letter(i + 1));
+                ui.add_space(16.0);
+                let mut consistent = other.levels == Policy::Consistent;
+                let levels = ui.checkbox(&mut consistent, "Consistent levels");
+                let levels = levels.on_hover_text("Levels that agree, in place of one factor for all");
+                name(&levels, &full("consistent levels"));
+                other.levels = if consistent { Policy::Consistent } else { Policy::Same };
+                name(&ui.checkbox(&mut other.clamp, "Clamp"), &full("clamp"));
             });
         });
     }

@@ -158,6 +158,7 @@ impl Plots {
             .link_cursor(egui::Id::unique("error plots"), [true, false])
             .grid_color(color(theme.grid))
             .y_axis_min_width(44.0)
+            .x_grid_spacer(iterations_apart)
             .x_axis_formatter(
                 |mark, _| if mark.value.fract() == 0.0 { format!("{}", mark.value) } else { String::new() },
             )
@@ -225,6 +226,21 @@ fn read_out(position: &HoverPosition<'_>, log: bool) -> String {
     }
 }
 
+/// The lines of the axis of iterations: whole numbers, one, two or five times a power of ten apart.
+pub fn iterations_apart(input: GridInput) -> Vec<GridMark> {
+    let (low, high) = input.bounds;
+    let wanted = (high - low) / 8.0;
+    if !wanted.is_finite() || wanted <= 0.0 {
+        return Vec::new();
+    }
+    let power = 10f64.powf(wanted.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|part| part * power).into_iter().find(|step| *step >= wanted);
+    let step = step.unwrap_or(1.0).max(1.0);
+    let places = (low / step).ceil() as i64..=(high / step).floor() as i64;
+    // The spacing tells the plot how bold a line is and whether its number has room.
+    places.map(|i| GridMark { value: i as f64 * step, step_size: 10.0 * input.base_step_size.max(step) }).collect()
+}
+
 /// The lines of a logarithmic axis: one for each power of ten, fewer where they would crowd, and its double
 /// and fivefold where there is room.
 fn decades(input: GridInput) -> Vec<GridMark> {
@@ -280,6 +296,12 @@ mod tests {
         assert_eq!(drawn(vec![[0.0, 0.0], [1.0, 0.01], [2.0, f64::NAN]], true), [[1.0, -2.0]]);
         assert_eq!(power_of_ten(-12.0), "1e-12");
         assert_eq!(power_of_ten(5f64.log10() - 3.0), "5e-3");
+        let apart = |high| iterations_apart(GridInput { bounds: (-0.2, high), base_step_size: 0.01 });
+        assert_eq!(apart(5.2).iter().map(|mark| mark.value).collect::<Vec<_>>(), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+        assert_eq!(
+            apart(33.0).iter().map(|mark| mark.value).collect::<Vec<_>>(),
+            [0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0]
+        );
         let marks = decades(GridInput { bounds: (-3.2, 0.4), base_step_size: 0.2 });
         assert_eq!(marks.iter().map(|mark| mark.value).collect::<Vec<_>>(), [-3.0, -2.0, -1.0, 0.0]);
     }

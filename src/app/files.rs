@@ -95,6 +95,11 @@ impl Files {
         self.question = Some(Question { purpose, text: likely, focused: false, over: None });
     }
 
+    /// Whether a question is on screen.
+    pub fn asks(&self) -> bool {
+        self.question.is_some()
+    }
+
     /// The next file that was chosen.
     pub fn chosen(&mut self) -> Option<(Purpose, PathBuf)> {
         let answer = self.answers.try_recv().ok()?;

@@ -93,7 +93,8 @@ fn course(ui: &mut Ui, samples: &[PinSample], seen: usize, theme: &Theme) {
         .include_y(0.0)
         .allow_scroll(false)
         .legend(egui_plot::Legend::default().position(egui_plot::Corner::LeftTop).background_alpha(0.5))
-        .show_axes([true, true])
+        .x_grid_spacer(super::errors::iterations_apart)
+        .grid_color(color(theme.grid))
         .label_formatter(|position| match position {
             egui_plot::HoverPosition::NearDataPoint { plot_name, position, .. } => {
                 Some(format!("{plot_name}, k = {:.0}: c00 = {:.4e}", position.x, position.y))

@@ -20,8 +20,11 @@ impl Lab {
     pub fn logic(&mut self, ctx: &Context) {
         let news: Vec<News> = self.worker.news().collect();
         news.into_iter().for_each(|news| self.hear(news));
-        for command in command::pressed(ctx) {
-            self.perform(command, ctx);
+        // While a question stands, keys are for answering it.
+        if self.next.is_none() && !self.files.asks() {
+            for command in command::pressed(ctx, |command| self.can(command)) {
+                self.perform(command, ctx);
+            }
         }
         let now = ctx.input(|input| input.time);
         if self.waiting.is_some_and(f64::is_nan) {

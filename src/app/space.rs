@@ -37,7 +37,7 @@ pub struct Eye {
 
 impl Default for Eye {
     fn default() -> Self {
-        Eye { yaw: 0.6, pitch: 0.45, zoom: 1.0, pan: Vec2::ZERO, lobes: false, threshold: 0.01 }
+        Eye { yaw: -0.55, pitch: 0.45, zoom: 1.0, pan: Vec2::ZERO, lobes: false, threshold: 0.01 }
     }
 }
 

@@ -45,9 +45,12 @@ impl Track {
     /// The errors of the present state, by every metric that needs no other run.
     pub fn errors(&self) -> Vec<ErrorRow> {
         let uniform = reference::uniform(&self.now);
-        let mut rows = error::thesis(&self.now);
-        rows.extend(error::corrected(&self.now, &uniform));
-        rows.push(error::merged(&self.now, &uniform));
+        let (mut rows, (corrected, merged)) = rayon::join(
+            || error::thesis(&self.now),
+            || rayon::join(|| error::corrected(&self.now, &uniform), || error::merged(&self.now, &uniform)),
+        );
+        rows.extend(corrected);
+        rows.push(merged);
         rows
     }
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::CliError;
+use crate::propagate::levels::Policy;
 use crate::scene::preset::LONGEST;
 use crate::scene::{Preset, Scene, builtin, file};
 
@@ -22,6 +23,9 @@ pub struct SceneArgs {
     /// The propagation factor, p
     #[arg(long, value_name = "P")]
     pub factor: Option<f64>,
+    /// How the operator follows from the octree level: same, one factor for all; consistent, levels that agree
+    #[arg(long, value_name = "POLICY", value_parser = policy)]
+    pub levels: Option<Policy>,
     /// The side of the coarsest octree level
     #[arg(long, value_name = "SIDE")]
     pub coarsest: Option<usize>,
@@ -44,6 +48,9 @@ impl SceneArgs {
         if let Some(factor) = self.factor {
             propagation.factor = factor;
         }
+        if let Some(levels) = self.levels {
+            propagation.levels = levels;
+        }
         if self.no_clamp {
             propagation.clamp = false;
         }
@@ -60,6 +67,11 @@ impl SceneArgs {
     pub fn stem(&self) -> String {
         self.preset.file_stem().unwrap_or_default().to_string_lossy().into_owned()
     }
+}
+
+fn policy(name: &str) -> Result<Policy, String> {
+    let known = Policy::ALL.into_iter().find(|policy| policy.name() == name);
+    known.ok_or_else(|| format!("levels are {}", Policy::ALL.map(Policy::name).join(" or ")))
 }
 
 /// A preset that has been read.

@@ -1,14 +1,12 @@
 //! `run`: a preset from injection to merge, with its error curves and pictures.
 
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use super::cells::LevelArg;
+use super::course::{self, Course};
 use super::output::Folder;
 use super::{CliError, SceneArgs};
 use crate::report::colour::{Paint, Theme};
@@ -17,8 +15,9 @@ use crate::report::glyph::Hue;
 use crate::report::picture::{Panel, Picture};
 use crate::report::slice::{Axis, Plane, Slice};
 use crate::report::table;
+use crate::simulation::options::{Options, Skip};
 use crate::simulation::{Light, Simulation};
-use crate::study::error::{self, ErrorRow};
+use crate::study::error::{ErrorRow, Metric};
 use crate::study::stability::outlook;
 
 /// What to run, what to look at, where to write.
@@ -48,6 +47,15 @@ pub struct RunArgs {
     /// The colours of plots and pictures
     #[arg(long, value_enum, default_value_t = ThemeArg::Light)]
     theme: ThemeArg,
+    /// Measure against what truly arrives along straight lines, too
+    #[arg(long)]
+    ballistic: bool,
+    /// Stop once all light still to come is proved to be at most this part of the accumulated light
+    #[arg(long, value_name = "PART")]
+    tolerance: Option<f64>,
+    /// Compute every cell, even those that cannot matter; the results are the same to the last bit
+    #[arg(long)]
+    no_skip: bool,
 }
 
 /// An axis and a cell along it.
@@ -102,7 +110,18 @@ impl RunArgs {
             axis: ScaleArg::Log,
             glyphs: ScaleArg::Log,
             theme: ThemeArg::Light,
+            ballistic: false,
+            tolerance: None,
+            no_skip: false,
         }
+    }
+
+    fn options(&self) -> Result<Options, CliError> {
+        if let Some(part) = self.tolerance.filter(|part| !(part.is_finite() && *part >= 0.0)) {
+            return Err(CliError::Input(format!("--tolerance {part}: write a finite number, zero or more")));
+        }
+        let skip = if self.no_skip { Skip::NOTHING } else { Skip::default() };
+        Ok(Options { tolerance: self.tolerance, skip, ..Options::default() })
     }
 
     /// The preset to run.
@@ -136,6 +155,8 @@ struct Summary<'a> {
     absolute_mean: f64,
     relative_mean: f64,
     undefined: usize,
+    /// Cells computed over cells in the volume, all iterations, levels and channels.
+    visited: f64,
 }
 
 /// Does the command.
@@ -145,13 +166,11 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     if let Some(warning) = outlook::warning(&scene) {
         eprintln!("lpv-lab: warning: {warning}");
     }
-    let mut simulation = Simulation::<f32>::new(scene)?;
+    let mut simulation = Simulation::<f32>::with_options(scene, args.options()?)?;
     LevelArg::Level(args.level).check(simulation.sizes().count())?;
     let folder = Folder::create(args.out())?;
-
-    let started = Instant::now();
-    let (rows, aside) = propagate(&mut simulation);
-    let seconds = started.elapsed().as_secs_f64() - aside;
+    let truth = if args.ballistic { Some(course::truth(simulation.scene())?) } else { None };
+    let Course { rows, seconds } = course::run(&mut simulation, truth.as_ref())?;
 
     let title = if preset.title.is_empty() { args.scene.stem() } else { preset.title.clone() };
     folder.write_table("errors.csv", &table::errors(&rows))?;
@@ -172,6 +191,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     }
 
     let propagation = &simulation.scene().propagation;
+    let thesis = all_levels.iter().rev().find(|row| row.metric == Metric::Thesis);
     let summary = Summary {
         title: &title,
         size: simulation.sizes().finest(),
@@ -183,57 +203,25 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         seconds,
         energy: simulation.lights().iter().map(|light| light.accumulated.level(0).energy()).sum(),
         lit: (0..simulation.sizes().count()).map(|i| simulation.index().level(i).count()).collect(),
-        absolute_mean: all_levels.last().map_or(0.0, |row| row.absolute_mean),
-        relative_mean: all_levels.last().map_or(0.0, |row| row.relative_mean),
-        undefined: all_levels.last().map_or(0, |row| row.undefined),
+        absolute_mean: thesis.map_or(0.0, |row| row.absolute_mean),
+        relative_mean: thesis.map_or(0.0, |row| row.relative_mean),
+        undefined: thesis.map_or(0, |row| row.undefined),
+        visited: simulation.work().share(),
     };
     let text = ron::ser::to_string_pretty(&summary, ron::ser::PrettyConfig::new())
         .map_err(|e| CliError::Failed(format!("summary.ron: {e}")))?;
     folder.write("summary.ron", text.as_bytes())?;
-    println!("{} iterations in {seconds:.3} s; results in {}", simulation.iteration(), folder.path().display());
+    println!(
+        "{} iterations in {seconds:.3} s, {:.1} % of the cells visited; results in {}",
+        simulation.iteration(),
+        100.0 * simulation.work().share(),
+        folder.path().display()
+    );
+    if let Some(bound) = simulation.still_to_come() {
+        println!("light still to come: at most {bound:.2e} of what has been accumulated");
+    }
     // What was computed before is written all the same: it is good.
     simulation.divergence().map_or(Ok(()), |divergence| Err(divergence.into()))
-}
-
-/// Runs the scene with a line for every iteration; the errors, and the seconds that measuring and printing took.
-fn propagate(simulation: &mut Simulation<f32>) -> (Vec<ErrorRow>, f64) {
-    let bar = match std::io::stderr().is_terminal() {
-        true => ProgressBar::new(simulation.scene().propagation.iterations as u64),
-        false => ProgressBar::hidden(),
-    };
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} iteration {pos} of {len}, {eta} left") {
-        bar.set_style(style);
-    }
-    println!(
-        "{:>9}  {:>12}  {:>12}  {:>12}  {:>12}  {:>12}  {:>9}",
-        "iteration", "energy left", "abs mean", "abs max", "rel mean", "rel max", "undefined"
-    );
-    let mut rows = Vec::new();
-    let mut aside = 0.0;
-    simulation.run(|now| {
-        let started = Instant::now();
-        let errors = error::thesis(now);
-        let energy: f64 = now.lights().iter().map(|light| light.source.level(0).energy()).sum();
-        let all = errors[0];
-        bar.suspend(|| {
-            println!(
-                "{:>9}  {:>12.6}  {:>12.5e}  {:>12.5e}  {:>12.5e}  {:>12.5e}  {:>9}",
-                all.iteration,
-                energy,
-                all.absolute_mean,
-                all.absolute_max,
-                all.relative_mean,
-                all.relative_max,
-                all.undefined
-            );
-        });
-        bar.set_position(now.iteration() as u64);
-        rows.extend(errors);
-        aside += started.elapsed().as_secs_f64();
-        true
-    });
-    bar.finish_and_clear();
-    (rows, aside)
 }
 
 /// The slice asked for, or the one across z in which most light is injected.

@@ -2,13 +2,15 @@
 //!
 //! [`plain`] is the definition. The others give the same light faster: [`form`] finds in a stencil the
 //! few numbers that its symmetry leaves, `row` computes a row of cells from them, `slab` a slab of rows
-//! with what may be skipped in it, [`step`] one iteration and [`blocked`] several in one pass over memory.
+//! with what may be skipped in it (`found` looks at what came out), [`step`] one iteration and
+//! [`blocked`] several in one pass over memory.
 
 pub mod blocked;
 mod carve;
 #[cfg(test)]
 mod conformance;
 pub mod form;
+mod found;
 pub mod occluded;
 pub mod plain;
 mod row;
@@ -18,7 +20,8 @@ pub mod step;
 use crate::field::{Grid, Marks};
 use crate::sh::{Real, Sh};
 
-pub use slab::{Instructions, Order, Tally, lies_in_cone};
+pub use found::lies_in_cone;
+pub use slab::{Instructions, Order, Tally};
 
 /// A coefficient smaller than this in magnitude is taken as zero after every iteration, in every kernel
 /// and precision. Light fades exponentially; without a floor it would end in denormal numbers, which

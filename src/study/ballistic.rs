@@ -189,8 +189,10 @@ pub fn l1<T: Real>(scales: &[f64], moved: &[Grid<T>], truth: &[Grid<T>]) -> Best
         let third = (high - low) / 3.0;
         if difference(low + third) < difference(high - third) { high -= third } else { low += third }
     }
-    let scale = 0.5 * (low + high);
-    BestFit { raw: difference(1.0), fitted: difference(scale), scale }
+    let (raw, scale) = (difference(1.0), 0.5 * (low + high));
+    let fitted = difference(scale);
+    // The search ends a little beside the best; where that is 1 there is nothing to gain.
+    if fitted < raw { BestFit { raw, fitted, scale } } else { BestFit { raw, fitted: raw, scale: 1.0 } }
 }
 
 /// Σ‖u·O − v·R‖∞ over all cells, the norm over all channels.

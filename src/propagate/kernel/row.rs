@@ -77,16 +77,14 @@ pub(super) fn linear<T: Real, const L: usize>(
 ) {
     let [dx, dy, dz] = steps;
     let [to_c, to_x, to_y, to_z] = out;
-    linear_mean(
-        share,
-        floor,
-        [c.beside(dx), c.beside(dy), c.beside(dz)],
-        [x.beside(dx), y.beside(dy), z.beside(dz)],
-        to_c,
-    );
-    linear_direction(share, floor, c.beside(dx), x.beside(dx), [x.beside(dy), x.beside(dz)], to_x);
-    linear_direction(share, floor, c.beside(dy), y.beside(dy), [y.beside(dx), y.beside(dz)], to_y);
-    linear_direction(share, floor, c.beside(dz), z.beside(dz), [z.beside(dx), z.beside(dy)], to_z);
+    let (c_x, c_y, c_z) = (c.beside(dx), c.beside(dy), c.beside(dz));
+    let (x_x, x_y, x_z) = (x.beside(dx), x.beside(dy), x.beside(dz));
+    let (y_x, y_y, y_z) = (y.beside(dx), y.beside(dy), y.beside(dz));
+    let (z_x, z_y, z_z) = (z.beside(dx), z.beside(dy), z.beside(dz));
+    linear_mean(share, floor, [c_x, c_y, c_z], [x_x, y_y, z_z], to_c);
+    linear_direction(share, floor, c_x, x_x, [x_y, x_z], to_x);
+    linear_direction(share, floor, c_y, y_y, [y_x, y_z], to_y);
+    linear_direction(share, floor, c_z, z_z, [z_x, z_y], to_z);
 }
 
 #[inline(always)]

@@ -5,8 +5,9 @@ use multiversion::multiversion;
 
 use super::FLOOR;
 use super::form::Form;
-use super::row::{self, Out, Stretch, chunked, chunked_mut};
-use crate::field::{Grid, Layout, Marks};
+use super::found::{Run, add_up, drop_dark, mark, part, within_cone};
+use super::row::{self, Out, Stretch, chunked_mut};
+use crate::field::Layout;
 use crate::propagate::active::{Row, reached, row_mask};
 use crate::sh::Real;
 
@@ -174,7 +175,7 @@ fn rows<T: Real, const L: usize>(
             tally.visited += run.end - run.start;
             let [to_c, to_x, to_y, to_z] = &target.planes;
             let row = part([to_c, to_x, to_y, to_z], start, start + n);
-            mark(row, run, &mut target.marks[words.clone()]);
+            mark(row, run, &lit, &mut target.marks[words.clone()]);
             if order.energy {
                 add_up(row[0], run, &mut lanes);
             }
@@ -198,13 +199,6 @@ fn rows<T: Real, const L: usize>(
 fn is_dark_around(lit: &[u64], words: usize, z: usize) -> bool {
     let around = &lit[z.saturating_sub(1) * words..lit.len().min((z + 2) * words)];
     around.iter().fold(0, |any, word| any | word) == 0
-}
-
-/// Cells `start` to before `end` of a row, whole chunks.
-#[derive(Clone, Copy)]
-struct Run {
-    start: usize,
-    end: usize,
 }
 
 /// The next run of chunks from cell `from` on in which a cell may be lit. What an older iteration left in
@@ -264,114 +258,28 @@ fn compute<T: Real, const L: usize>(
     let light = [stretch(c), stretch(x), stretch(y), stretch(z)];
     let begin = start + from;
     let [to_c, to_x, to_y, to_z] = &mut target.planes;
-    let mut out = [
-        Out { target: chunked_mut(&mut to_c[begin..], chunks), sum: None },
-        Out { target: chunked_mut(&mut to_x[begin..], chunks), sum: None },
-        Out { target: chunked_mut(&mut to_y[begin..], chunks), sum: None },
-        Out { target: chunked_mut(&mut to_z[begin..], chunks), sum: None },
-    ];
-    if let Some(sum) = &mut target.sum {
-        for (out, plane) in out.iter_mut().zip(sum) {
-            out.sum = Some(chunked_mut(&mut plane[begin..], chunks));
-        }
-    }
+    let c = chunked_mut(&mut to_c[begin..], chunks);
+    let x = chunked_mut(&mut to_x[begin..], chunks);
+    let y = chunked_mut(&mut to_y[begin..], chunks);
+    let z = chunked_mut(&mut to_z[begin..], chunks);
+    let out = match &mut target.sum {
+        Some([sum_c, sum_x, sum_y, sum_z]) => [
+            Out { target: c, sum: Some(chunked_mut(&mut sum_c[begin..], chunks)) },
+            Out { target: x, sum: Some(chunked_mut(&mut sum_x[begin..], chunks)) },
+            Out { target: y, sum: Some(chunked_mut(&mut sum_y[begin..], chunks)) },
+            Out { target: z, sum: Some(chunked_mut(&mut sum_z[begin..], chunks)) },
+        ],
+        None => [
+            Out { target: c, sum: None },
+            Out { target: x, sum: None },
+            Out { target: y, sum: None },
+            Out { target: z, sum: None },
+        ],
+    };
     let (form, floor, steps): (&Form<T>, T, [usize; 3]) = (&order.form, T::of(FLOOR), layout.steps());
     match (order.linear, form.side.is_some()) {
         (true, _) => row::linear(&form.share, floor, steps, light, out),
         (false, true) => row::clamped::<T, L, true>(form, floor, steps, light, out),
         (false, false) => row::clamped::<T, L, false>(form, floor, steps, light, out),
     }
-}
-
-/// Marks the lit cells of a run; words that are full already are passed over.
-#[inline(always)]
-fn mark<T: Real>(row: [&[T]; 4], run: Run, marks: &mut [u64]) {
-    let words = marks.iter_mut().enumerate().take(run.end.div_ceil(64)).skip(run.start / 64);
-    for (word, marked) in words {
-        let (from, to) = (run.start.max(64 * word), run.end.min(64 * (word + 1)));
-        let all = (u64::MAX >> (64 - (to - from))) << (from % 64);
-        if *marked & all == all {
-            continue;
-        }
-        let [c, x, y, z] = part(row, from, to);
-        let mut bits = 0;
-        for j in 0..to - from {
-            let lit = (c[j] != T::ZERO) | (x[j] != T::ZERO) | (y[j] != T::ZERO) | (z[j] != T::ZERO);
-            bits |= u64::from(lit) << j;
-        }
-        *marked |= bits << (from % 64);
-    }
-}
-
-/// Adds a run's numbers lane by lane, so that neither runs nor instruction sets change the sum.
-#[inline(always)]
-fn add_up<T: Real, const L: usize>(plane: &[T], run: Run, lanes: &mut [T; L]) {
-    for numbers in chunked::<T, L>(&plane[run.start..], (run.end - run.start) / L) {
-        for j in 0..L {
-            lanes[j] += numbers[j];
-        }
-    }
-}
-
-/// Whether ‖direction‖ ≤ r·c00 in every cell of a grid that is dark where `lit` has no bit.
-pub fn lies_in_cone<T: Real>(grid: &Grid<T>, lit: &Marks, r: f64) -> bool {
-    let (n, per_row) = (grid.side(), lit.words_per_row());
-    let [c, x, y, z] = grid.planes();
-    lit.words().chunks_exact(per_row).enumerate().filter(|(_, words)| words.iter().any(|word| *word != 0)).all(
-        |(row, _)| {
-            let start = grid.layout().row_start(row % n, row / n);
-            within_cone(part([c, x, y, z], start, start + n), r)
-        },
-    )
-}
-
-/// Whether c00 is at least ‖direction‖ / r in every cell, in f64, where no square is lost.
-#[inline(always)]
-fn within_cone<T: Real>([c, x, y, z]: [&[T]; 4], r: f64) -> bool {
-    let len = c.len();
-    let (x, y, z) = (&x[..len], &y[..len], &z[..len]);
-    let mut outside = false;
-    for j in 0..len {
-        let [c, x, y, z] = [c[j], x[j], y[j], z[j]].map(T::to_f64);
-        // Written so that a cell that is not a number is outside.
-        let inside = (c >= 0.0) & (x * x + y * y + z * z <= r * r * c * c);
-        outside |= !inside;
-    }
-    !outside
-}
-
-/// Cells `from` to before `to` of a row.
-#[inline(always)]
-fn part<T>([c, x, y, z]: [&[T]; 4], from: usize, to: usize) -> [&[T]; 4] {
-    [&c[from..to], &x[from..to], &y[from..to], &z[from..to]]
-}
-
-/// Takes the dark chunks at the ends of a run out of the bits.
-#[inline(always)]
-fn drop_dark<T: Real, const L: usize>(row: [&[T]; 4], run: Run, lit: &mut Row) {
-    let chunks = (run.end - run.start) / L;
-    let [c, x, y, z] = part(row, run.start, run.end);
-    let row = [chunked::<T, L>(c, chunks), chunked(x, chunks), chunked(y, chunks), chunked(z, chunks)];
-    let mut drop = |k: usize| {
-        let x = run.start + k * L;
-        lit[x / 64] &= !((u64::MAX >> (64 - L)) << (x % 64));
-    };
-    let (mut first, mut end) = (0, chunks);
-    while first < end && is_dark(row, first) {
-        drop(first);
-        first += 1;
-    }
-    while first < end && is_dark(row, end - 1) {
-        end -= 1;
-        drop(end);
-    }
-}
-
-#[inline(always)]
-fn is_dark<T: Real, const L: usize>([c, x, y, z]: [&[[T; L]]; 4], k: usize) -> bool {
-    let mut lit = false;
-    for j in 0..L {
-        lit |= (c[k][j] != T::ZERO) | (x[k][j] != T::ZERO) | (y[k][j] != T::ZERO) | (z[k][j] != T::ZERO);
-    }
-    !lit
 }

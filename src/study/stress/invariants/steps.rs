@@ -29,6 +29,8 @@ pub struct Watch {
     /// What rounding may change energy by in an iteration, level by level.
     rounding: Vec<f64>,
     copies_first: bool,
+    /// A cell gets back what a surface beside it reflects, in the same iteration.
+    reflects: bool,
 }
 
 impl Watch {
@@ -47,6 +49,7 @@ impl Watch {
             gain: stencils.iter().map(greatest_gain).collect(),
             rounding: stencils.iter().map(rounding).collect(),
             copies_first: case.scene.propagation.snapshots == Snapshots::CopyFirst,
+            reflects: !case.free && !case.reflects_nothing(),
         }
     }
 
@@ -59,7 +62,7 @@ impl Watch {
     ) -> Result<(), Broken> {
         let k = narrow.iteration();
         if k > 0 {
-            let stays = self.copies_first && k == 1;
+            let stays = self.reflects || (self.copies_first && k == 1);
             for (level, possible) in self.possible.iter_mut().enumerate() {
                 *possible = one_step_further(possible, narrow.sizes().side(level), stays);
             }
@@ -75,6 +78,10 @@ impl Watch {
                     let total = sum.get(cell);
                     if !value.0.iter().chain(&total.0).all(|c| c.is_finite()) {
                         return broken(Invariant::Finite, format!("{cell:?} holds {value:?}, in all {total:?}"));
+                    }
+                    // Injected light is as it was asked for; after an iteration the kernels' floor holds.
+                    if k > usize::from(self.copies_first) && value.0.iter().any(|c| c.is_subnormal()) {
+                        return broken(Invariant::Finite, format!("{cell:?} holds the denormal {value:?}"));
                     }
                     if rules.contains(&Invariant::NonNegative) && value.0[0].min(total.0[0]) < 0.0 {
                         return broken(Invariant::NonNegative, format!("{cell:?} holds {value:?}, in all {total:?}"));
@@ -149,6 +156,56 @@ fn greatest_gain(stencil: &Stencil<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Preset;
+    use crate::simulation::Action;
+
+    /// A lamp of this strength in 4³, and what is known of it.
+    fn case(strength: f64) -> (Case, Vec<Stencil<f64>>) {
+        let lamp = format!("(kind: Single(cell: (1, 2, 0)), multiplier: {strength})");
+        let text = format!("(version: 1, size: 4, injectors: [{lamp}], propagation: (factor: 4))");
+        let case = Case::new(&Preset::parse(&text, std::path::Path::new("p.ron")).unwrap()).unwrap();
+        let stencils = case.stencils().unwrap();
+        (case, stencils)
+    }
+
+    fn simulation<T: crate::sh::Real>(case: &Case, actions: &[Action]) -> Simulation<T> {
+        let mut simulation = Simulation::new(case.scene.clone()).unwrap();
+        for action in actions {
+            simulation.act(*action);
+        }
+        simulation
+    }
+
+    #[test]
+    fn light_that_breaks_a_rule_is_found_out() {
+        let (bright, stencils) = case(1.0);
+        let start = [Action::Inject, Action::Downsample];
+        let on = [Action::Inject, Action::Downsample, Action::Propagate];
+        let broken = |watch: &mut Watch, narrow: &Simulation<f32>, wide: &Simulation<f64>| {
+            watch.check(&Invariant::ALL, narrow, wide).err().map(|broken| broken.invariant)
+        };
+        let (narrow, wide) = (simulation(&bright, &on), simulation(&bright, &on));
+        let watch = || {
+            let mut watch = Watch::new(&bright, &stencils, &simulation(&bright, &start));
+            let first = broken(&mut watch, &simulation(&bright, &start), &simulation(&bright, &start));
+            assert_eq!(first, None);
+            watch
+        };
+        assert_eq!(broken(&mut watch(), &narrow, &wide), None);
+        // Light of twice the strength in double precision; an operator of a smaller factor; nothing injected.
+        let brighter = simulation(&case(2.0).0, &on);
+        assert_eq!(broken(&mut watch(), &narrow, &brighter), Some(Invariant::Precision));
+        let mut strict = watch();
+        strict.gain.fill(0.5);
+        assert_eq!(broken(&mut strict, &narrow, &wide), Some(Invariant::Energy));
+        let mut dark = Watch::new(&bright, &stencils, &simulation(&bright, &[]));
+        assert_eq!(broken(&mut dark, &narrow, &wide), Some(Invariant::Reach));
+        // Accumulated light that was brighter before.
+        let mut fading = watch();
+        fading.accumulated =
+            simulation::<f32>(&case(9.0).0, &on).lights().iter().map(|l| l.accumulated.levels().to_vec()).collect();
+        assert_eq!(broken(&mut fading, &narrow, &wide), Some(Invariant::Accumulates));
+    }
 
     #[test]
     fn a_step_leads_to_the_neighbours_inside() {

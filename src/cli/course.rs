@@ -1,0 +1,92 @@
+//! A run from injection to merge with a line for every iteration, and its errors.
+
+use std::io::IsTerminal;
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::CliError;
+use crate::scene::Scene;
+use crate::simulation::Simulation;
+use crate::study::ballistic::{self, Ballistic};
+use crate::study::error::{self, ErrorRow};
+use crate::study::reference;
+
+/// What a run was found to do.
+pub struct Course {
+    /// Every metric after every iteration.
+    pub rows: Vec<ErrorRow>,
+    /// Seconds that all actions took, measuring aside.
+    pub seconds: f64,
+}
+
+/// Computes what truly arrives in a scene, with a bar on a terminal.
+pub fn truth(scene: &Scene) -> Result<Ballistic, CliError> {
+    let bar = bar(1000, "{bar:40} {percent} % of the straight lines, {eta} left");
+    let truth = Ballistic::new(scene, &|done| {
+        bar.set_position((done * 1000.0) as u64);
+        true
+    })?;
+    bar.finish_and_clear();
+    truth.ok_or_else(|| CliError::Failed("the straight lines were given up".to_owned()))
+}
+
+/// Runs the scene, printing a line for every iteration. Errors are those of the octree against itself and
+/// against the uniform volume, and against `truth` where it is given.
+pub fn run(simulation: &mut Simulation<f32>, truth: Option<&Ballistic>) -> Result<Course, CliError> {
+    let iterations = simulation.scene().propagation.iterations;
+    let bar = bar(iterations as u64, "{bar:40} iteration {pos} of {len}, {eta} left");
+    println!("{}", LINE_HEAD);
+    let (mut rows, mut aside, mut failed) = (Vec::new(), 0.0, None);
+    let started = Instant::now();
+    simulation.run(|now| {
+        let began = Instant::now();
+        match measure(now, truth) {
+            Ok(errors) => {
+                bar.suspend(|| println!("{}", line(now, &errors[0])));
+                rows.extend(errors);
+            }
+            Err(error) => failed = Some(error),
+        }
+        bar.set_position(now.iteration() as u64);
+        aside += began.elapsed().as_secs_f64();
+        failed.is_none()
+    });
+    bar.finish_and_clear();
+    let seconds = started.elapsed().as_secs_f64() - aside;
+    failed.map_or(Ok(Course { rows, seconds }), Err)
+}
+
+/// Every metric of the present iteration, the thesis's over all levels first.
+fn measure(now: &Simulation<f32>, truth: Option<&Ballistic>) -> Result<Vec<ErrorRow>, CliError> {
+    let uniform = reference::uniform(now);
+    let mut rows = error::thesis(now);
+    rows.extend(error::corrected(now, &uniform));
+    rows.push(error::merged(now, &uniform));
+    if let Some(truth) = truth {
+        rows.push(ballistic::error(now, truth)?);
+    }
+    Ok(rows)
+}
+
+const LINE_HEAD: &str = "iteration   energy left      abs mean       abs max      rel mean       rel max  undefined";
+
+fn line(now: &Simulation<f32>, all: &ErrorRow) -> String {
+    let energy: f64 = now.lights().iter().map(|light| light.source.level(0).energy()).sum();
+    format!(
+        "{:>9}  {energy:>12.6}  {:>12.5e}  {:>12.5e}  {:>12.5e}  {:>12.5e}  {:>9}",
+        all.iteration, all.absolute_mean, all.absolute_max, all.relative_mean, all.relative_max, all.undefined
+    )
+}
+
+/// A progress bar on a terminal, none elsewhere.
+fn bar(length: u64, template: &str) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(length);
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style);
+    }
+    bar
+}

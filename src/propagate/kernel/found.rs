@@ -1,0 +1,106 @@
+//! What a run of cells that was just computed holds: which cells are lit, their sum, whether they lie in
+//! the cone, whether they have gone dark.
+
+use super::row::chunked;
+use crate::field::{Grid, Marks};
+use crate::propagate::active::Row;
+use crate::sh::Real;
+
+/// Cells `start` to before `end` of a row, whole chunks.
+#[derive(Clone, Copy)]
+pub(super) struct Run {
+    pub(super) start: usize,
+    pub(super) end: usize,
+}
+
+/// Marks the lit cells of a run. Only cells that light may have reached and that have no mark yet are
+/// looked at: few, behind a front that moves a cell an iteration.
+#[inline(always)]
+pub(super) fn mark<T: Real>([c, x, y, z]: [&[T]; 4], run: Run, lit: &Row, marks: &mut [u64]) {
+    let words = marks.iter_mut().zip(lit).enumerate().take(run.end.div_ceil(64)).skip(run.start / 64);
+    for (word, (marked, lit)) in words {
+        let (from, to) = (run.start.max(64 * word), run.end.min(64 * (word + 1)));
+        let all = (u64::MAX >> (64 - (to - from))) << (from % 64);
+        let mut open = lit & !*marked & all;
+        while open != 0 {
+            let bit = open.trailing_zeros() as usize;
+            let at = 64 * word + bit;
+            let is_lit = (c[at] != T::ZERO) | (x[at] != T::ZERO) | (y[at] != T::ZERO) | (z[at] != T::ZERO);
+            *marked |= u64::from(is_lit) << bit;
+            open &= open - 1;
+        }
+    }
+}
+
+/// Adds a run's numbers lane by lane, so that neither runs nor instruction sets change the sum.
+#[inline(always)]
+pub(super) fn add_up<T: Real, const L: usize>(plane: &[T], run: Run, lanes: &mut [T; L]) {
+    for numbers in chunked::<T, L>(&plane[run.start..], (run.end - run.start) / L) {
+        for j in 0..L {
+            lanes[j] += numbers[j];
+        }
+    }
+}
+
+/// Whether ‖direction‖ ≤ r·c00 in every cell of a grid that is dark where `lit` has no bit.
+pub fn lies_in_cone<T: Real>(grid: &Grid<T>, lit: &Marks, r: f64) -> bool {
+    let (n, per_row) = (grid.side(), lit.words_per_row());
+    let [c, x, y, z] = grid.planes();
+    lit.words().chunks_exact(per_row).enumerate().filter(|(_, words)| words.iter().any(|word| *word != 0)).all(
+        |(row, _)| {
+            let start = grid.layout().row_start(row % n, row / n);
+            within_cone(part([c, x, y, z], start, start + n), r)
+        },
+    )
+}
+
+/// Whether c00 is at least ‖direction‖ / r in every cell, in f64, where no square is lost.
+#[inline(always)]
+pub(super) fn within_cone<T: Real>([c, x, y, z]: [&[T]; 4], r: f64) -> bool {
+    let len = c.len();
+    let (x, y, z) = (&x[..len], &y[..len], &z[..len]);
+    let mut outside = false;
+    for j in 0..len {
+        let [c, x, y, z] = [c[j], x[j], y[j], z[j]].map(T::to_f64);
+        // Written so that a cell that is not a number is outside.
+        let inside = (c >= 0.0) & (x * x + y * y + z * z <= r * r * c * c);
+        outside |= !inside;
+    }
+    !outside
+}
+
+/// Cells `from` to before `to` of a row.
+#[inline(always)]
+pub(super) fn part<T>([c, x, y, z]: [&[T]; 4], from: usize, to: usize) -> [&[T]; 4] {
+    [&c[from..to], &x[from..to], &y[from..to], &z[from..to]]
+}
+
+/// Takes the dark chunks at the ends of a run out of the bits.
+#[inline(always)]
+pub(super) fn drop_dark<T: Real, const L: usize>(row: [&[T]; 4], run: Run, lit: &mut Row) {
+    let chunks = (run.end - run.start) / L;
+    let [c, x, y, z] = part(row, run.start, run.end);
+    let row = [chunked::<T, L>(c, chunks), chunked(x, chunks), chunked(y, chunks), chunked(z, chunks)];
+    let mut drop = |k: usize| {
+        let x = run.start + k * L;
+        lit[x / 64] &= !((u64::MAX >> (64 - L)) << (x % 64));
+    };
+    let (mut first, mut end) = (0, chunks);
+    while first < end && is_dark(row, first) {
+        drop(first);
+        first += 1;
+    }
+    while first < end && is_dark(row, end - 1) {
+        end -= 1;
+        drop(end);
+    }
+}
+
+#[inline(always)]
+fn is_dark<T: Real, const L: usize>([c, x, y, z]: [&[[T; L]]; 4], k: usize) -> bool {
+    let mut lit = false;
+    for j in 0..L {
+        lit |= (c[k][j] != T::ZERO) | (x[k][j] != T::ZERO) | (y[k][j] != T::ZERO) | (z[k][j] != T::ZERO);
+    }
+    !lit
+}
