@@ -203,6 +203,8 @@ fn subtract(shape: Shape, a: &[f32], rest: &mut [f32]) -> f64 {
 fn gather(shape: Shape, share: &Share<f32>, [h, z]: [usize; 2], b: &[f32], around: [&[f32]; 3], out: &mut [f32]) {
     if shape.width().is_multiple_of(LANES) {
         rows::<LANES>(shape, share, [h, z], b, around, out);
+    } else if shape.width().is_multiple_of(4) {
+        rows::<4>(shape, share, [h, z], b, around, out);
     } else {
         rows::<1>(shape, share, [h, z], b, around, out);
     }
@@ -217,39 +219,70 @@ fn rows<const L: usize>(
     [below, here, above]: [&[f32]; 3],
     out: &mut [f32],
 ) {
-    let Share { alpha, beta, gamma, delta, epsilon } = *share;
-    let (chunks, row) = (shape.width() / L, shape.row());
+    let (chunks, row, plane) = (shape.width() / L, shape.row(), shape.plane());
+    let (out_c, out) = out.split_at_mut(plane);
+    let (out_x, out) = out.split_at_mut(plane);
+    let (out_y, out_z) = out.split_at_mut(plane);
     for y in 0..shape.n {
         let (start, s) = (shape.start(y), parity(h, y, z));
-        // The neighbours' light in each plane: before and behind along x, y and z.
-        let beside = |plane: usize| -> [[&[[f32; L]]; 2]; 3] {
-            let at = plane * shape.plane() + start;
+        // The neighbours' light in a plane: before and behind along x, y and z.
+        let beside = |plane: usize| -> [Pair<'_, L>; 3] {
+            let at = plane + start;
             [
                 [chunked(&here[at + s - 1..], chunks), chunked(&here[at + s..], chunks)],
                 [chunked(&here[at - row..], chunks), chunked(&here[at + row..], chunks)],
                 [chunked(&below[at..], chunks), chunked(&above[at..], chunks)],
             ]
         };
-        let light = [0, 1, 2, 3].map(beside);
-        let b = [0, 1, 2, 3].map(|plane| chunked::<L>(&b[plane * shape.plane() + start..], chunks));
-        for k in 0..chunks {
-            let mut gathered = [[0.0; L]; 4];
-            for j in 0..L {
-                let pair = |plane: usize, axis: usize| light[plane][axis][0][k][j] + light[plane][axis][1][k][j];
-                let fall = |plane: usize, axis: usize| light[plane][axis][0][k][j] - light[plane][axis][1][k][j];
-                let mean = pair(0, 0) + pair(0, 1) + pair(0, 2);
-                let inward = fall(1, 0) + fall(2, 1) + fall(3, 2);
-                gathered[0][j] = b[0][k][j] + (alpha * mean + beta * inward);
-                for axis in 0..3 {
-                    let across = pair(1 + axis, (axis + 1) % 3) + pair(1 + axis, (axis + 2) % 3);
-                    let sent = gamma * fall(0, axis) + delta * pair(1 + axis, axis) + epsilon * across;
-                    gathered[1 + axis][j] = b[1 + axis][k][j] + sent;
-                }
-            }
-            for (plane, gathered) in gathered.iter().enumerate() {
-                out[plane * shape.plane() + start + k * L..][..L].copy_from_slice(gathered);
-            }
+        let own = |plane: usize| chunked(&b[plane + start..], chunks);
+        let (c, vx, vy, vz) = (beside(0), beside(plane), beside(2 * plane), beside(3 * plane));
+        mean(share, c, [vx[0], vy[1], vz[2]], own(0), chunked_mut(&mut out_c[start..], chunks));
+        direction(share, c[0], vx[0], [vx[1], vx[2]], own(plane), chunked_mut(&mut out_x[start..], chunks));
+        direction(share, c[1], vy[1], [vy[0], vy[2]], own(2 * plane), chunked_mut(&mut out_y[start..], chunks));
+        direction(share, c[2], vz[2], [vz[0], vz[1]], own(3 * plane), chunked_mut(&mut out_z[start..], chunks));
+    }
+}
+
+/// The neighbours before and behind along an axis, in one plane.
+type Pair<'a, const L: usize> = [&'a [[f32; L]]; 2];
+
+#[inline(always)]
+fn mean<const L: usize>(
+    share: &Share<f32>,
+    [cx, cy, cz]: [Pair<'_, L>; 3],
+    [x, y, z]: [Pair<'_, L>; 3],
+    b: &[[f32; L]],
+    out: &mut [[f32; L]],
+) {
+    for k in 0..out.len() {
+        let mut value = [0.0; L];
+        for j in 0..L {
+            let mean = (cx[0][k][j] + cx[1][k][j]) + (cy[0][k][j] + cy[1][k][j]) + (cz[0][k][j] + cz[1][k][j]);
+            let inward = (x[0][k][j] - x[1][k][j]) + (y[0][k][j] - y[1][k][j]) + (z[0][k][j] - z[1][k][j]);
+            value[j] = b[k][j] + (share.alpha * mean + share.beta * inward);
         }
+        out[k] = value;
+    }
+}
+
+#[inline(always)]
+fn direction<const L: usize>(
+    share: &Share<f32>,
+    c: Pair<'_, L>,
+    along: Pair<'_, L>,
+    [p, q]: [Pair<'_, L>; 2],
+    b: &[[f32; L]],
+    out: &mut [[f32; L]],
+) {
+    for k in 0..out.len() {
+        let mut value = [0.0; L];
+        for j in 0..L {
+            let fall = c[0][k][j] - c[1][k][j];
+            let along = along[0][k][j] + along[1][k][j];
+            let across = (p[0][k][j] + p[1][k][j]) + (q[0][k][j] + q[1][k][j]);
+            value[j] = b[k][j] + (share.gamma * fall + share.delta * along + share.epsilon * across);
+        }
+        out[k] = value;
     }
 }
 
@@ -257,4 +290,10 @@ fn rows<const L: usize>(
 #[inline(always)]
 fn chunked<const L: usize>(numbers: &[f32], chunks: usize) -> &[[f32; L]] {
     &numbers[..chunks * L].as_chunks().0[..chunks]
+}
+
+/// [`chunked`], to write in.
+#[inline(always)]
+fn chunked_mut<const L: usize>(numbers: &mut [f32], chunks: usize) -> &mut [[f32; L]] {
+    &mut numbers[..chunks * L].as_chunks_mut().0[..chunks]
 }

@@ -5,6 +5,8 @@
 //! from unbroken rows of the other. The 2 × 2 × 2 children of a coarse cell are four cells of each half, all
 //! with j the coarse x.
 
+use rayon::prelude::*;
+
 use crate::field::Grid;
 
 /// Where the cells of a half lie: slab by slab, in each the four planes, all with a dark border.
@@ -100,19 +102,21 @@ pub fn split(grid: &Grid<f32>) -> [Half; 2] {
 }
 
 /// Adds both halves to a grid.
-pub fn join(halves: &[Half; 2], grid: &mut Grid<f32>) {
+pub fn join([even, odd]: &[Half; 2], grid: &mut Grid<f32>) {
     let shape = Shape { n: grid.side() };
     let layout = grid.layout();
-    for (plane, numbers) in grid.planes_mut().into_iter().enumerate() {
+    grid.planes_mut().into_par_iter().enumerate().for_each(|(plane, numbers)| {
         for (y, z) in rows(shape.n) {
             let row = &mut numbers[layout.row_start(y, z)..][..shape.n];
             let at = Half::at(shape, z) + plane * shape.plane() + shape.start(y);
-            for (half, s) in halves.iter().zip([(y + z) % 2, (y + z + 1) % 2]) {
-                let from = &half.numbers[at..][..shape.width()];
-                row[s..].iter_mut().step_by(2).zip(from).for_each(|(to, c)| *to += *c);
+            let [even, odd] = [even, odd].map(|half| &half.numbers[at..][..shape.width()]);
+            let (first, second) = if (y + z) % 2 == 0 { (even, odd) } else { (odd, even) };
+            for (pair, (first, second)) in row.chunks_exact_mut(2).zip(first.iter().zip(second)) {
+                pair[0] += first;
+                pair[1] += second;
             }
         }
-    }
+    });
 }
 
 /// Every row (y, z).
