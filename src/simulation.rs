@@ -418,11 +418,14 @@ fn step<T: Real>(
 }
 
 /// The stencil of every level, and its residence.
+type Operators<T> = (Vec<Stencil<T>>, Vec<[f64; 2]>);
+
+/// The operators of a setting.
 fn operators<T: Real>(
     scheme: &Scheme,
     propagation: &Propagation,
     sizes: Levels,
-) -> Result<(Vec<Stencil<T>>, Vec<[f64; 2]>), SimulationError> {
+) -> Result<Operators<T>, SimulationError> {
     let Propagation { factor, clamp, levels, .. } = *propagation;
     let operators = levels::operators(scheme, factor, clamp, levels, sizes.count())?;
     Ok(operators.into_iter().map(|operator| (operator.stencil, operator.residence)).unzip())

@@ -90,12 +90,15 @@ impl Ordinates {
     /// What arrives in each cell, Σ_j F_j·Y(u_j), once all injected light has gone all its way. A cell's own
     /// light is not in it.
     pub fn solve(&self, injected: &Grid<f32>, occluders: Option<&Transparency>) -> Grid<f32> {
+        let lit = sweep::lit_rows(injected);
         let pieces: Vec<Grid<f32>> = self
             .octants
             .par_chunks(self.octants.len() / PIECES)
             .map(|octants| {
                 let mut arrived = Grid::new(injected.side());
-                octants.iter().for_each(|octant| sweep::sweep(octant, self.rule, injected, occluders, &mut arrived));
+                octants
+                    .iter()
+                    .for_each(|octant| sweep::sweep(octant, self.rule, (injected, &lit), occluders, &mut arrived));
                 arrived
             })
             .collect();
@@ -114,8 +117,8 @@ impl Group {
             for j in 0..3 {
                 group.way[j][lane] = DVec3::to_array(&way)[j] as f32;
                 group.start[j][lane] = start[j] as f32;
-                for i in 0..3 {
-                    group.through[i][j][lane] = through[i][j] as f32;
+                for (to, from) in group.through.iter_mut().zip(&through) {
+                    to[j][lane] = from[j] as f32;
                 }
             }
         }

@@ -108,8 +108,8 @@ fn advance<const DONOR: bool>(
     }
     for (at, came) in Layout::new(n).cells().zip(&next) {
         let mut sum = [0f32; 4];
-        for l in 0..LANES {
-            let flux = came[0][l] + came[1][l] + came[2][l];
+        for (l, ((x, y), z)) in came[0].iter().zip(&came[1]).zip(&came[2]).enumerate() {
+            let flux = x + y + z;
             sum[0] += K0 as f32 * flux;
             (0..3).for_each(|a| sum[1 + a] += K1 as f32 * flux * group.way[a][l]);
         }

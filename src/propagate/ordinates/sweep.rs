@@ -2,7 +2,9 @@
 //!
 //! A cell's three downwind neighbours are visited after it, so all that must be kept of the flux is what
 //! is under way: one row along x, one row of y faces, one slab of z faces. Directions lie side by side in
-//! the lanes.
+//! the lanes. Cells that are not downwind of any light are left out.
+
+use std::ops::Range;
 
 use multiversion::multiversion;
 
@@ -13,31 +15,50 @@ use crate::propagate::kernel::FLOOR;
 use crate::propagate::transparency::Transparency;
 use crate::sh::{K0, K1, Sh};
 
-/// Adds what arrives in each cell to `arrived`.
+/// Where a grid is lit: for every row (y, z), y fastest, the cells from its first to its last lit one.
+pub(super) fn lit_rows(grid: &Grid<f32>) -> Vec<Range<usize>> {
+    let (layout, planes) = (grid.layout(), grid.planes());
+    let n = layout.side();
+    let row = |i: usize| {
+        let start = layout.row_start(i % n, i / n);
+        let lit = |x: &usize| planes.iter().any(|plane| plane[start + x] != 0.0);
+        let last = (0..n).rev().find(lit);
+        last.map_or(n..n, |last| (0..n).find(lit).unwrap_or(last)..last + 1)
+    };
+    (0..n * n).map(row).collect()
+}
+
+/// Adds what arrives in each cell to `arrived`; `lit` are the [`lit_rows`] of the injected light.
 pub(super) fn sweep(
     octant: &Octant,
     rule: Rule,
-    injected: &Grid<f32>,
+    (injected, lit): (&Grid<f32>, &[Range<usize>]),
     occluders: Option<&Transparency>,
     arrived: &mut Grid<f32>,
 ) {
     if !octant.groups.is_empty() {
-        best(octant, rule, injected, occluders, arrived);
+        best(octant, rule, (injected, lit), occluders, arrived);
     }
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
-fn best(octant: &Octant, rule: Rule, injected: &Grid<f32>, occluders: Option<&Transparency>, arrived: &mut Grid<f32>) {
+fn best(
+    octant: &Octant,
+    rule: Rule,
+    (injected, lit): (&Grid<f32>, &[Range<usize>]),
+    occluders: Option<&Transparency>,
+    arrived: &mut Grid<f32>,
+) {
     match rule {
-        Rule::Donor => any::<true>(octant, injected, occluders, arrived),
-        Rule::Faces => any::<false>(octant, injected, occluders, arrived),
+        Rule::Donor => any::<true>(octant, (injected, lit), occluders, arrived),
+        Rule::Faces => any::<false>(octant, (injected, lit), occluders, arrived),
     }
 }
 
 #[inline(always)]
 fn any<const DONOR: bool>(
     octant: &Octant,
-    injected: &Grid<f32>,
+    (injected, lit): (&Grid<f32>, &[Range<usize>]),
     occluders: Option<&Transparency>,
     arrived: &mut Grid<f32>,
 ) {
@@ -50,15 +71,26 @@ fn any<const DONOR: bool>(
     let mut by_y = vec![dark; n * groups.len()];
     let mut by_x = vec![dark; groups.len()];
     let sums = arrived.planes_mut();
+    // From which cell on, in the order of the wind, the rows of the last slab may be lit.
+    let mut slab_from = vec![n; n];
     for zi in 0..n {
         by_y.fill(dark);
+        let mut row_from = n;
         for yi in 0..n {
             by_x.fill(dark);
             let by_z = &mut by_z[yi * n * groups.len()..][..n * groups.len()];
-            for xi in 0..n {
+            let lit = &lit[along(2, zi) * n + along(1, yi)];
+            let own_from = match octant.backwards[0] {
+                false => lit.start,
+                true if lit.is_empty() => n,
+                true => n - lit.end,
+            };
+            row_from = row_from.min(slab_from[yi]).min(own_from);
+            slab_from[yi] = row_from;
+            for xi in row_from..n {
                 let cell = [along(0, xi), along(1, yi), along(2, zi)];
                 let at = layout.index(cell);
-                let light = injected.at(at);
+                let light = if lit.contains(&cell[0]) { injected.at(at) } else { Sh::ZERO };
                 let lit = !light.is_zero();
                 let passes = occluders.map_or(1.0, |occluders| occluders.at(cell));
                 let ahead = xi * groups.len()..(xi + 1) * groups.len();
@@ -84,9 +116,9 @@ impl Group {
         let Sh([c00, x, y, z]) = light;
         let (mean, [x, y, z]) = (K0 as f32 * c00, [x, y, z].map(|c| K1 as f32 * c));
         let mut sent = [0.0; LANES];
-        for l in 0..LANES {
+        for (l, sent) in sent.iter_mut().enumerate() {
             let value = mean + (x * self.way[0][l] + y * self.way[1][l] + z * self.way[2][l]);
-            sent[l] = value.max(0.0) * self.weight[l];
+            *sent = value.max(0.0) * self.weight[l];
         }
         sent
     }

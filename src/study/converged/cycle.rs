@@ -6,6 +6,8 @@ use rayon::prelude::*;
 use super::halves::{Half, Shape, parity};
 use crate::propagate::kernel::form::Share;
 
+/// Into how many pieces a level's slabs are cut at most.
+const PIECES: usize = 8;
 /// From this side on slabs are shared among threads.
 const PARALLEL_FROM: usize = 32;
 /// Cells computed at a time.
@@ -76,7 +78,7 @@ impl Level {
         // A sum a slab, added in order: so many threads, the same sum.
         let slabs = self.rest.slabs_mut(shape);
         let sums: Vec<f64> = if shape.n >= PARALLEL_FROM {
-            slabs.par_chunks_mut(shape.slab()).enumerate().map(squares).collect()
+            slabs.par_chunks_mut(shape.slab()).enumerate().with_min_len(shape.n / PIECES).map(squares).collect()
         } else {
             slabs.chunks_mut(shape.slab()).enumerate().map(squares).collect()
         };
@@ -151,7 +153,7 @@ fn children(z: usize, y: usize) -> [(usize, usize); 4] {
 fn each_slab(shape: Shape, half: &mut Half, work: impl Fn(usize, &mut [f32]) + Sync) {
     let slabs = half.slabs_mut(shape);
     if shape.n >= PARALLEL_FROM {
-        slabs.par_chunks_mut(shape.slab()).enumerate().for_each(|(z, out)| work(z, out));
+        slabs.par_chunks_mut(shape.slab()).enumerate().with_min_len(shape.n / PIECES).for_each(|(z, out)| work(z, out));
     } else {
         slabs.chunks_mut(shape.slab()).enumerate().for_each(|(z, out)| work(z, out));
     }
@@ -199,7 +201,7 @@ fn subtract(shape: Shape, a: &[f32], rest: &mut [f32]) -> f64 {
 /// Sets slab z of half h to b + P_i·other, `around` being the other half's slabs z − 1 to z + 1.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
 fn gather(shape: Shape, share: &Share<f32>, [h, z]: [usize; 2], b: &[f32], around: [&[f32]; 3], out: &mut [f32]) {
-    if shape.width() % LANES == 0 {
+    if shape.width().is_multiple_of(LANES) {
         rows::<LANES>(shape, share, [h, z], b, around, out);
     } else {
         rows::<1>(shape, share, [h, z], b, around, out);
