@@ -2,8 +2,6 @@
 //! factor on all levels.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-#![allow(clippy::unwrap_used)]
-
 use std::path::Path;
 
 use lpv_lab::propagate::levels::Policy;
