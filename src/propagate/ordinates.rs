@@ -12,7 +12,7 @@
 //!
 //! which approaches R of MATH.md section 6; S_A is that plus S_0. An iteration moves
 //! every front by one cell ([`stepper`]); one sweep through the cells in the order of the wind gives the
-//! sum over all iterations at once, and visits each cell once a direction ([`sweep`]).
+//! sum over all iterations at once, and visits each cell once a direction ([`Ordinates::solve`]).
 //!
 //! What it gets wrong: with few directions light arrives in rays, and beams widen as they cross cell
 //! borders, the donor rule's more than the face rule's.
