@@ -211,7 +211,9 @@ mod tests {
             let found = solve(&scene, 1e-5, |_| true).unwrap().unwrap();
             assert!(found.residual <= 1e-5);
             let mut simulation = reference::injected::<f64>(&scene).unwrap();
-            (0..800).for_each(|_| drop(simulation.act(Action::Propagate)));
+            for _ in 0..800 {
+                simulation.act(Action::Propagate);
+            }
             let iterated = simulation.lights()[0].accumulated.level(0);
             let most = iterated.iter().map(|(_, light)| light.max_norm()).fold(0.0, f64::max);
             for (cell, light) in iterated.iter() {
