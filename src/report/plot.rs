@@ -142,7 +142,8 @@ impl Figure {
                 None => svg.line([left, y], [left + 0.35 * em, y], Stroke::solid(theme.muted, thin)),
             }
         }
-        for tick in frame.axes[0].ticks((width / (4.5 * em)) as usize) {
+        let room = (width / (4.5 * em)) as usize;
+        for tick in frame.axes[0].ticks(plot.whole_steps().map_or(room, |steps| room.min(steps))) {
             let x = left + width * frame.axes[0].share(tick.value);
             svg.line([x, top], [x, bottom], Stroke::solid(theme.grid, thin));
             svg.text([x, bottom + 1.3 * em], &tick.label.unwrap_or_default(), set(0.95, theme.muted, Anchor::Middle));
@@ -174,6 +175,13 @@ impl Plot {
         let points = || self.curves.iter().flat_map(|curve| &curve.points);
         // An x whose y has no place counts as well: linear and logarithmic plots have the same x axis.
         [Axis::tight(points().map(|[x, _]| *x)), Axis::rounded(points().map(|[_, y]| *y), self.log_y)]
+    }
+
+    /// How many whole steps x spans, if every x is whole: there are no halves of an iteration.
+    fn whole_steps(&self) -> Option<usize> {
+        let all = || self.curves.iter().flat_map(|curve| curve.points.iter().map(|[x, _]| *x));
+        let (low, high) = all().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        (high > low && all().all(|x| x.fract() == 0.0)).then_some((high - low) as usize)
     }
 
     fn shows(&self, &[x, y]: &[f64; 2]) -> bool {
