@@ -12,8 +12,9 @@
 //!   all energy, p = 3 (the thesis) three quarters, p = 3.8 (NVIDIA's cascades) 95 %.
 //! - With open borders the iteration grows without bound above p = 9.53 (2³), 5.22 (4³), 4.33 (8³),
 //!   4.09 (16³), 4.03 (32³).
-//! - From a raw cosine lobe the clamp makes the first iteration gain 13.82 %; after it the clamp
-//!   removes nothing more from light that came from lobes, and the scheme is linear.
+//! - From a raw cosine lobe along an axis the clamp makes the first iteration gain 13.82 %; after it the
+//!   clamp removes nothing more, and the scheme is linear. Oblique lobes can take up to four iterations to
+//!   get there, so the fast loops decide from the light itself ([`super::kernel`]).
 
 use std::f64::consts::PI;
 
