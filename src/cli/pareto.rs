@@ -25,10 +25,8 @@ pub fn run(plan: &Plan, folder: &Folder) -> Result<(), CliError> {
         bar.tick();
     })?;
     bar.finish_and_clear();
-    let mut csv = Vec::new();
     let all: Vec<&Row> = rows.iter().collect();
-    table(&all).write_csv(&mut csv).map_err(|e| CliError::Failed(format!("pareto.csv: {e}")))?;
-    folder.write("pareto.csv", csv)?;
+    folder.write_table("pareto.csv", &table(&all))?;
     for (preset, size, reference) in kinds(&rows) {
         println!("\nThe fastest way to each error, {preset}, n = {size}, against {reference}:");
         print!("{}", table(&pareto::front(&of_kind(&rows, (preset, size, reference)))).to_text());
