@@ -14,7 +14,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::carve::{Planes, Tied, cut_marks, runs, slab_of};
-use super::slab::advance;
+use super::slab::{Work, advance};
 use super::{Level, Order, Tally};
 use crate::field::{Layout, Marks};
 use crate::sh::Real;
@@ -123,7 +123,9 @@ impl<T: Real> Pass<'_, T> {
                 let need = self.need.map(|need| slab_of(need[t], z));
                 let local = z - part.slabs.start;
                 let mut target = part.tied.target(self.layout, local, to, to_lit);
-                tally = tally.and(advance(self.order, self.layout, from.source(from_lit), local, &mut target, need));
+                let source = from.source(from_lit);
+                let work = Work { order: self.order, layout: self.layout, source, z: local, need };
+                tally = tally.and(advance(work, &mut target));
             }
         }
         tally

@@ -96,11 +96,14 @@ pub(super) fn drop_dark<T: Real, const L: usize>(row: [&[T]; 4], run: Run, lit: 
     }
 }
 
+/// Looks at c00 first: where there is light it is hardly ever zero.
 #[inline(always)]
-fn is_dark<T: Real, const L: usize>([c, x, y, z]: [&[[T; L]]; 4], k: usize) -> bool {
-    let mut lit = false;
-    for j in 0..L {
-        lit |= (c[k][j] != T::ZERO) | (x[k][j] != T::ZERO) | (y[k][j] != T::ZERO) | (z[k][j] != T::ZERO);
-    }
-    !lit
+fn is_dark<T: Real, const L: usize>(planes: [&[[T; L]]; 4], k: usize) -> bool {
+    planes.iter().all(|plane| {
+        let mut lit = false;
+        for c in plane[k] {
+            lit |= c != T::ZERO;
+        }
+        !lit
+    })
 }

@@ -5,30 +5,70 @@
 //! instruction set the caller is compiled for. Products and sums are never fused, and every lane is a
 //! cell of its own, so that all instruction sets give the same bits.
 
+use multiversion::multiversion;
+
 use super::form::{Face, Form, Share};
-use super::settle_number;
+use super::{Instructions, settle_number};
 use crate::sh::Real;
 
-/// A stretch of a row in one plane of the source.
-#[derive(Clone, Copy)]
-pub(super) struct Stretch<'a, T> {
-    /// The whole plane.
-    pub(super) plane: &'a [T],
-    /// Where the stretch begins.
-    pub(super) at: usize,
-    /// How many times L cells it is long.
+/// A stretch of cells to compute, and where it goes.
+pub(super) struct Job<'a, 'b, T> {
+    pub(super) form: &'a Form<T>,
+    /// Whether the linear form is enough.
+    pub(super) linear: bool,
+    pub(super) floor: T,
+    /// The distances to the neighbours along x, y and z.
+    pub(super) steps: [usize; 3],
+    /// How many chunks long the stretch is.
     pub(super) chunks: usize,
+    /// The source's planes c00, X, Y and Z.
+    pub(super) planes: [&'a [T]; 4],
+    /// Where the stretch begins in them.
+    pub(super) at: usize,
+    /// Where the new light goes, from its first cell on.
+    pub(super) target: [&'b mut [T]; 4],
+    /// What it is added to, if anything.
+    pub(super) sum: Option<[&'b mut [T]; 4]>,
 }
 
-/// The same stretch one step back and one step on along an axis.
+/// Does the work with the best of the `instructions` that this processor has, in chunks of `L` cells.
+pub(super) fn run<T: Real, const L: usize>(instructions: Instructions, job: Job<'_, '_, T>) {
+    match instructions {
+        Instructions::Best => best::<T, L>(job),
+        Instructions::Avx2 => avx2::<T, L>(job),
+        Instructions::Baseline => any::<T, L>(job),
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
+fn best<T: Real, const L: usize>(job: Job<'_, '_, T>) {
+    any::<T, L>(job)
+}
+
+#[multiversion(targets("x86_64+avx2+bmi2"))]
+fn avx2<T: Real, const L: usize>(job: Job<'_, '_, T>) {
+    any::<T, L>(job)
+}
+
+#[inline(always)]
+fn any<T: Real, const L: usize>(mut job: Job<'_, '_, T>) {
+    match (job.linear, job.form.side.is_some(), job.sum.take()) {
+        (true, _, Some(sum)) => linear::<T, L, true>(job, sum),
+        (true, _, None) => linear::<T, L, false>(job, Default::default()),
+        (false, true, Some(sum)) => clamped::<T, L, true, true>(job, sum),
+        (false, true, None) => clamped::<T, L, true, false>(job, Default::default()),
+        (false, false, Some(sum)) => clamped::<T, L, false, true>(job, sum),
+        (false, false, None) => clamped::<T, L, false, false>(job, Default::default()),
+    }
+}
+
+/// A stretch of a plane, by the chunk, one step back and one step on along an axis.
 type Beside<'a, T, const L: usize> = [&'a [[T; L]]; 2];
 
-impl<'a, T> Stretch<'a, T> {
-    #[inline(always)]
-    fn beside<const L: usize>(self, step: usize) -> Beside<'a, T, L> {
-        let Stretch { plane, at, chunks } = self;
-        [chunked(&plane[at - step..], chunks), chunked(&plane[at + step..], chunks)]
-    }
+/// The stretches beside the one at `at` in `plane`, `step` away.
+#[inline(always)]
+fn beside<T, const L: usize>(plane: &[T], at: usize, step: usize, chunks: usize) -> Beside<'_, T, L> {
+    [chunked(&plane[at - step..], chunks), chunked(&plane[at + step..], chunks)]
 }
 
 /// The first `chunks` · L numbers, by the chunk.
@@ -37,19 +77,19 @@ pub(super) fn chunked<T, const L: usize>(numbers: &[T], chunks: usize) -> &[[T; 
     &numbers[..chunks * L].as_chunks().0[..chunks]
 }
 
-/// [`chunked`], to write in.
-#[inline(always)]
-pub(super) fn chunked_mut<T, const L: usize>(numbers: &mut [T], chunks: usize) -> &mut [[T; L]] {
-    &mut numbers[..chunks * L].as_chunks_mut().0[..chunks]
+/// Where a stretch goes in one plane: into the target, and onto the sum if `SUM`; otherwise that is empty.
+struct Out<'a, T, const L: usize, const SUM: bool> {
+    target: &'a mut [[T; L]],
+    sum: &'a mut [[T; L]],
 }
 
-/// Where a stretch goes in one plane: into the target, and onto the sum if there is one.
-pub(super) struct Out<'a, T, const L: usize> {
-    pub(super) target: &'a mut [[T; L]],
-    pub(super) sum: Option<&'a mut [[T; L]]>,
-}
+impl<'a, T: Real, const L: usize, const SUM: bool> Out<'a, T, L, SUM> {
+    #[inline(always)]
+    fn new(target: &'a mut [T], sum: &'a mut [T], chunks: usize) -> Self {
+        let chunked = |numbers: &'a mut [T], chunks: usize| &mut numbers[..chunks * L].as_chunks_mut().0[..chunks];
+        Out { target: chunked(target, chunks), sum: chunked(sum, if SUM { chunks } else { 0 }) }
+    }
 
-impl<T: Real, const L: usize> Out<'_, T, L> {
     #[inline(always)]
     fn put(&mut self, k: usize, floor: T, value: [T; L]) {
         let mut settled = value;
@@ -57,43 +97,40 @@ impl<T: Real, const L: usize> Out<'_, T, L> {
             *c = settle_number(*c, floor);
         }
         self.target[k] = settled;
-        if let Some(sum) = &mut self.sum {
-            for (a, b) in sum[k].iter_mut().zip(settled) {
+        if SUM {
+            for (a, b) in self.sum[k].iter_mut().zip(settled) {
                 *a += b;
             }
         }
     }
 }
 
-/// The linear form: every number of every neighbour once for each of the four planes it goes into.
-/// `steps` are the distances to the neighbours along x, y and z.
+/// The linear form: plane by plane, from the numbers of the neighbours that go into each.
 #[inline(always)]
-pub(super) fn linear<T: Real, const L: usize>(
-    share: &Share<T>,
-    floor: T,
-    steps: [usize; 3],
-    [c, x, y, z]: [Stretch<'_, T>; 4],
-    out: [Out<'_, T, L>; 4],
-) {
-    let [dx, dy, dz] = steps;
-    let [to_c, to_x, to_y, to_z] = out;
-    let (c_x, c_y, c_z) = (c.beside(dx), c.beside(dy), c.beside(dz));
-    let (x_x, x_y, x_z) = (x.beside(dx), x.beside(dy), x.beside(dz));
-    let (y_x, y_y, y_z) = (y.beside(dx), y.beside(dy), y.beside(dz));
-    let (z_x, z_y, z_z) = (z.beside(dx), z.beside(dy), z.beside(dz));
-    linear_mean(share, floor, [c_x, c_y, c_z], [x_x, y_y, z_z], to_c);
-    linear_direction(share, floor, c_x, x_x, [x_y, x_z], to_x);
-    linear_direction(share, floor, c_y, y_y, [y_x, y_z], to_y);
-    linear_direction(share, floor, c_z, z_z, [z_x, z_y], to_z);
+fn linear<T: Real, const L: usize, const SUM: bool>(job: Job<'_, '_, T>, sum: [&mut [T]; 4]) {
+    let Job { form, floor, steps: [dx, dy, dz], chunks, planes: [c, x, y, z], at, target, .. } = job;
+    let [to_c, to_x, to_y, to_z] = target;
+    let [sum_c, sum_x, sum_y, sum_z] = sum;
+    let beside = |plane, step| beside::<T, L>(plane, at, step, chunks);
+    let out = |target, sum| Out::<T, L, SUM>::new(target, sum, chunks);
+    let (c_x, c_y, c_z) = (beside(c, dx), beside(c, dy), beside(c, dz));
+    let (x_x, y_y, z_z) = (beside(x, dx), beside(y, dy), beside(z, dz));
+    let across_x = [beside(x, dy), beside(x, dz)];
+    let across_y = [beside(y, dx), beside(y, dz)];
+    let across_z = [beside(z, dx), beside(z, dy)];
+    linear_mean(&form.share, floor, [c_x, c_y, c_z], [x_x, y_y, z_z], out(to_c, sum_c));
+    linear_direction(&form.share, floor, c_x, x_x, across_x, out(to_x, sum_x));
+    linear_direction(&form.share, floor, c_y, y_y, across_y, out(to_y, sum_y));
+    linear_direction(&form.share, floor, c_z, z_z, across_z, out(to_z, sum_z));
 }
 
 #[inline(always)]
-fn linear_mean<T: Real, const L: usize>(
+fn linear_mean<T: Real, const L: usize, const SUM: bool>(
     share: &Share<T>,
     floor: T,
     [cx, cy, cz]: [Beside<'_, T, L>; 3],
     [x, y, z]: [Beside<'_, T, L>; 3],
-    mut out: Out<'_, T, L>,
+    mut out: Out<'_, T, L, SUM>,
 ) {
     for k in 0..out.target.len() {
         let mut value = [T::ZERO; L];
@@ -107,13 +144,13 @@ fn linear_mean<T: Real, const L: usize>(
 }
 
 #[inline(always)]
-fn linear_direction<T: Real, const L: usize>(
+fn linear_direction<T: Real, const L: usize, const SUM: bool>(
     share: &Share<T>,
     floor: T,
     c: Beside<'_, T, L>,
     along: Beside<'_, T, L>,
     [p, q]: [Beside<'_, T, L>; 2],
-    mut out: Out<'_, T, L>,
+    mut out: Out<'_, T, L, SUM>,
 ) {
     for k in 0..out.target.len() {
         let mut value = [T::ZERO; L];
@@ -129,18 +166,15 @@ fn linear_direction<T: Real, const L: usize>(
 
 /// The clamped form, face by face. `SIDES`: whether there are side faces.
 #[inline(always)]
-pub(super) fn clamped<T: Real, const L: usize, const SIDES: bool>(
-    form: &Form<T>,
-    floor: T,
-    steps: [usize; 3],
-    light: [Stretch<'_, T>; 4],
-    out: [Out<'_, T, L>; 4],
-) {
-    let [dx, dy, dz] = steps;
-    let [mut to_c, mut to_x, mut to_y, mut to_z] = out;
-    let beside = |step: usize| light.map(|stretch| stretch.beside::<L>(step));
-    let (x, y, z) = (beside(dx), beside(dy), beside(dz));
-    for k in 0..to_c.target.len() {
+fn clamped<T: Real, const L: usize, const SIDES: bool, const SUM: bool>(job: Job<'_, '_, T>, sum: [&mut [T]; 4]) {
+    let Job { form, floor, steps, chunks, planes, at, target, .. } = job;
+    let [to_c, to_x, to_y, to_z] = target;
+    let [sum_c, sum_x, sum_y, sum_z] = sum;
+    let out = |target, sum| Out::<T, L, SUM>::new(target, sum, chunks);
+    let (mut to_c, mut to_x) = (out(to_c, sum_c), out(to_x, sum_x));
+    let (mut to_y, mut to_z) = (out(to_y, sum_y), out(to_z, sum_z));
+    let [x, y, z] = steps.map(|step| planes.map(|plane| beside::<T, L>(plane, at, step, chunks)));
+    for k in 0..chunks {
         let mut sums = [[T::ZERO; L]; 4];
         let [c, a, b, d] = &mut sums;
         for (side, down) in [(0, false), (1, true)] {

@@ -1,14 +1,14 @@
 //! One slab of a grid (all rows of one z) taken one iteration further, with what may be skipped in it:
 //! light, sum, marks and the bits for where light may be, in one pass.
 
-use multiversion::multiversion;
+use std::ops::Range;
 
 use super::FLOOR;
 use super::form::Form;
 use super::found::{Run, add_up, drop_dark, mark, part, within_cone};
-use super::row::{self, Out, Stretch, chunked_mut};
+use super::row::{self, Job};
 use crate::field::Layout;
-use crate::propagate::active::{Row, reached, row_mask};
+use crate::propagate::active::{MOST_WORDS, Row, reached, row_mask};
 use crate::sh::Real;
 
 /// Cells computed at a time: an AVX-512 register of f32, two of AVX2, four of SSE or NEON.
@@ -87,111 +87,159 @@ pub(super) struct Target<'a, T> {
     pub(super) marks: &'a mut [u64],
 }
 
-/// Takes slab number `z` of `source` one iteration further. Where `need` is given, cells outside it may
-/// be left out.
-pub(super) fn advance<T: Real>(
-    order: &Order<T>,
-    layout: Layout,
-    source: Source<'_, T>,
-    z: usize,
-    target: &mut Target<'_, T>,
-    need: Option<&[u64]>,
-) -> Tally {
-    match order.instructions {
-        Instructions::Best => best(order, layout, source, z, target, need),
-        Instructions::Avx2 => avx2(order, layout, source, z, target, need),
-        Instructions::Baseline => any(order, layout, source, z, target, need),
-    }
+/// One slab's work: all that is read.
+#[derive(Clone, Copy)]
+pub(super) struct Work<'a, T> {
+    pub(super) order: &'a Order<T>,
+    pub(super) layout: Layout,
+    pub(super) source: Source<'a, T>,
+    /// The slab's number in the source.
+    pub(super) z: usize,
+    /// Where it is given, cells of the slab outside it may be left out.
+    pub(super) need: Option<&'a [u64]>,
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
-fn best<T: Real>(
-    order: &Order<T>,
-    layout: Layout,
-    source: Source<'_, T>,
-    z: usize,
-    target: &mut Target<'_, T>,
-    need: Option<&[u64]>,
-) -> Tally {
-    any(order, layout, source, z, target, need)
+/// Takes a slab one iteration further.
+pub(super) fn advance<T: Real>(work: Work<'_, T>, target: &mut Target<'_, T>) -> Tally {
+    if work.layout.side() < LANES { rows::<T, 1>(work, target) } else { rows::<T, LANES>(work, target) }
 }
 
-#[multiversion(targets("x86_64+avx2+bmi2"))]
-fn avx2<T: Real>(
-    order: &Order<T>,
-    layout: Layout,
-    source: Source<'_, T>,
-    z: usize,
-    target: &mut Target<'_, T>,
-    need: Option<&[u64]>,
-) -> Tally {
-    any(order, layout, source, z, target, need)
-}
-
-#[inline(always)]
-fn any<T: Real>(
-    order: &Order<T>,
-    layout: Layout,
-    source: Source<'_, T>,
-    z: usize,
-    target: &mut Target<'_, T>,
-    need: Option<&[u64]>,
-) -> Tally {
-    if layout.side() < LANES {
-        rows::<T, 1>(order, layout, source, z, target, need)
-    } else {
-        rows::<T, LANES>(order, layout, source, z, target, need)
-    }
-}
-
-#[inline(always)]
-fn rows<T: Real, const L: usize>(
-    order: &Order<T>,
-    layout: Layout,
-    source: Source<'_, T>,
-    z: usize,
-    target: &mut Target<'_, T>,
-    need: Option<&[u64]>,
-) -> Tally {
+fn rows<T: Real, const L: usize>(work: Work<'_, T>, target: &mut Target<'_, T>) -> Tally {
+    let Work { layout, source, z, need, .. } = work;
     let n = layout.side();
     let per_row = target.marks.len() / n;
     let mut tally = Tally::NONE;
     if is_dark_around(source.lit, target.marks.len(), z) && target.lit.iter().all(|word| *word == 0) {
         return tally;
     }
-    for y in 0..n {
-        let words = y * per_row..(y + 1) * per_row;
-        let mut lit = reached(source.lit, n, z * n + y);
-        if let Some(need) = need {
-            lit.iter_mut().zip(&need[words.clone()]).for_each(|(lit, need)| *lit &= need);
-        }
-        let start = y * layout.steps()[1];
-        let at = source.first + z * layout.steps()[2] + start;
-        let mut lanes = [T::ZERO; L];
-        let mut from = 0;
-        while let Some(run) = next_run::<T, L>(&lit, n, from, target, start, &words) {
-            from = run.end;
-            compute::<T, L>(order, layout, source, at, target, start, run);
-            tally.visited += run.end - run.start;
-            let [to_c, to_x, to_y, to_z] = &target.planes;
-            let row = part([to_c, to_x, to_y, to_z], start, start + n);
-            mark(row, run, &lit, &mut target.marks[words.clone()]);
-            if order.energy {
-                add_up(row[0], run, &mut lanes);
-            }
-            if let (true, Some(cone)) = (tally.in_cone, order.cone) {
-                tally.in_cone = within_cone(part(row, run.start, run.end), cone);
-            }
-            if order.drop_dark {
-                drop_dark::<T, L>(row, run, &mut lit);
+    let lit = &source.lit[z * target.lit.len()..];
+    let is_full = |words: &[u64]| words.iter().all(|word| *word == row_mask(n));
+    let group = rows_together::<L>(layout);
+    for first in (0..n).step_by(group) {
+        let words = first * per_row..(first + group) * per_row;
+        if group > 1 && is_full(&lit[words.clone()]) && need.is_none_or(|need| is_full(&need[words])) {
+            full_rows::<T, L>(work, target, first..first + group, &mut tally);
+        } else {
+            for y in first..first + group {
+                row::<T, L>(work, target, y, &mut tally);
             }
         }
-        if order.energy {
-            tally.energy += lanes.iter().map(|lane| lane.to_f64()).sum::<f64>();
-        }
-        target.lit[words].copy_from_slice(&lit[..per_row]);
     }
     tally
+}
+
+/// How many rows that are lit from end to end are computed as one stretch, with the gaps between them:
+/// so many that setting a stretch up costs little, and so few that all it touches stays in the first
+/// cache.
+#[inline(always)]
+fn rows_together<const L: usize>(layout: Layout) -> usize {
+    const CELLS: usize = 512;
+    let (n, row) = (layout.side(), layout.steps()[1]);
+    let mut rows = 1;
+    while L > 1 && rows < n && (rows * row < CELLS || !(rows * row).is_multiple_of(L)) {
+        rows *= 2;
+    }
+    rows
+}
+
+/// Rows that are lit from end to end, as one stretch.
+#[inline(always)]
+fn full_rows<T: Real, const L: usize>(
+    work: Work<'_, T>,
+    target: &mut Target<'_, T>,
+    rows: Range<usize>,
+    tally: &mut Tally,
+) {
+    let (n, step) = (work.layout.side(), work.layout.steps()[1]);
+    let start = rows.start * step;
+    compute::<T, L>(work, target, start, Run { start: 0, end: rows.len() * step });
+    for plane in target.planes.iter_mut().chain(target.sum.iter_mut().flatten()) {
+        clear_gaps(&mut plane[start..][..rows.len() * step], n, step);
+    }
+    for y in rows {
+        let (mut lit, mut lanes) = ([row_mask(n); MOST_WORDS], [T::ZERO; L]);
+        look::<T, L>(work, target, y, Run { start: 0, end: n }, (&mut lit, &mut lanes), tally);
+        finish(work, target, y, &lit, &lanes, tally);
+    }
+}
+
+/// Makes the gaps between rows dark again: what a stretch of rows has written there is nobody's light.
+#[inline(always)]
+fn clear_gaps<T: Real>(rows: &mut [T], n: usize, step: usize) {
+    for row in rows.chunks_exact_mut(step) {
+        // Gaps are a few cells: a store or two, where filling would be a call.
+        let (fours, rest) = row[n..].as_chunks_mut::<4>();
+        match fours {
+            [one] => *one = [T::ZERO; 4],
+            [one, two] => (*one, *two) = ([T::ZERO; 4], [T::ZERO; 4]),
+            more => more.as_flattened_mut().fill(T::ZERO),
+        }
+        rest.fill(T::ZERO);
+    }
+}
+
+/// One row, run by run of what may be lit in it.
+#[inline(always)]
+fn row<T: Real, const L: usize>(work: Work<'_, T>, target: &mut Target<'_, T>, y: usize, tally: &mut Tally) {
+    let Work { layout, source, z, need, .. } = work;
+    let n = layout.side();
+    let per_row = target.marks.len() / n;
+    let words = y * per_row..(y + 1) * per_row;
+    let mut lit = reached(source.lit, n, z * n + y);
+    if let Some(need) = need {
+        lit.iter_mut().zip(&need[words.clone()]).for_each(|(lit, need)| *lit &= need);
+    }
+    let start = y * layout.steps()[1];
+    let (mut from, mut lanes) = (0, [T::ZERO; L]);
+    while let Some(run) = next_run::<T, L>(&lit, n, from, target, start, &words) {
+        from = run.end;
+        compute::<T, L>(work, target, start, run);
+        look::<T, L>(work, target, y, run, (&mut lit, &mut lanes), tally);
+    }
+    finish(work, target, y, &lit, &lanes, tally);
+}
+
+/// Looks at a run of row `y` that was just computed: marks its lit cells, and whatever else is asked for.
+#[inline(always)]
+fn look<T: Real, const L: usize>(
+    Work { order, layout, .. }: Work<'_, T>,
+    target: &mut Target<'_, T>,
+    y: usize,
+    run: Run,
+    (lit, lanes): (&mut Row, &mut [T; L]),
+    tally: &mut Tally,
+) {
+    let n = layout.side();
+    let (start, per_row) = (y * layout.steps()[1], target.marks.len() / n);
+    let row = part(target.planes.each_ref().map(|plane| &**plane), start, start + n);
+    tally.visited += run.end - run.start;
+    mark(row, run, lit, &mut target.marks[y * per_row..(y + 1) * per_row]);
+    if order.energy {
+        add_up(row[0], run, lanes);
+    }
+    if let (true, Some(cone)) = (tally.in_cone, order.cone) {
+        tally.in_cone = within_cone(part(row, run.start, run.end), cone);
+    }
+    if order.drop_dark {
+        drop_dark::<T, L>(row, run, lit);
+    }
+}
+
+/// Keeps what was found in row `y`.
+#[inline(always)]
+fn finish<T: Real, const L: usize>(
+    work: Work<'_, T>,
+    target: &mut Target<'_, T>,
+    y: usize,
+    lit: &Row,
+    lanes: &[T; L],
+    tally: &mut Tally,
+) {
+    if work.order.energy {
+        tally.energy += lanes.iter().map(|lane| lane.to_f64()).sum::<f64>();
+    }
+    let per_row = target.lit.len() / work.layout.side();
+    target.lit[y * per_row..(y + 1) * per_row].copy_from_slice(&lit[..per_row]);
 }
 
 /// Whether slab `z` and the slabs beside it have no bit, of so many `words` a slab.
@@ -210,7 +258,7 @@ fn next_run<T: Real, const L: usize>(
     from: usize,
     target: &mut Target<'_, T>,
     row: usize,
-    words: &std::ops::Range<usize>,
+    words: &Range<usize>,
 ) -> Option<Run> {
     let per_row = words.len();
     if from == 0 && lit[..per_row].iter().all(|word| *word == row_mask(n)) {
@@ -241,45 +289,21 @@ fn chunk(word: u64, x: usize, lanes: usize) -> u64 {
     (word >> (x % 64)) & (u64::MAX >> (64 - lanes))
 }
 
-/// A run of the row that begins at `at` in the source and at `start` in the target.
+/// A run of cells, counted from a row that begins at `start` in the target.
 #[inline(always)]
-fn compute<T: Real, const L: usize>(
-    order: &Order<T>,
-    layout: Layout,
-    source: Source<'_, T>,
-    at: usize,
-    target: &mut Target<'_, T>,
-    start: usize,
-    run: Run,
-) {
-    let (chunks, from) = ((run.end - run.start) / L, run.start);
-    let [c, x, y, z] = source.planes;
-    let stretch = |plane| Stretch { plane, at: at + from, chunks };
-    let light = [stretch(c), stretch(x), stretch(y), stretch(z)];
-    let begin = start + from;
-    let [to_c, to_x, to_y, to_z] = &mut target.planes;
-    let c = chunked_mut(&mut to_c[begin..], chunks);
-    let x = chunked_mut(&mut to_x[begin..], chunks);
-    let y = chunked_mut(&mut to_y[begin..], chunks);
-    let z = chunked_mut(&mut to_z[begin..], chunks);
-    let out = match &mut target.sum {
-        Some([sum_c, sum_x, sum_y, sum_z]) => [
-            Out { target: c, sum: Some(chunked_mut(&mut sum_c[begin..], chunks)) },
-            Out { target: x, sum: Some(chunked_mut(&mut sum_x[begin..], chunks)) },
-            Out { target: y, sum: Some(chunked_mut(&mut sum_y[begin..], chunks)) },
-            Out { target: z, sum: Some(chunked_mut(&mut sum_z[begin..], chunks)) },
-        ],
-        None => [
-            Out { target: c, sum: None },
-            Out { target: x, sum: None },
-            Out { target: y, sum: None },
-            Out { target: z, sum: None },
-        ],
+fn compute<T: Real, const L: usize>(work: Work<'_, T>, target: &mut Target<'_, T>, start: usize, run: Run) {
+    let Work { order: Order { form, linear, instructions, .. }, layout, source, z, .. } = work;
+    let begin = start + run.start;
+    let job = Job {
+        form,
+        linear: *linear,
+        floor: T::of(FLOOR),
+        steps: layout.steps(),
+        chunks: (run.end - run.start) / L,
+        planes: source.planes,
+        at: source.first + z * layout.steps()[2] + begin,
+        target: target.planes.each_mut().map(|plane| &mut plane[begin..]),
+        sum: target.sum.as_mut().map(|sum| sum.each_mut().map(|plane| &mut plane[begin..])),
     };
-    let (form, floor, steps): (&Form<T>, T, [usize; 3]) = (&order.form, T::of(FLOOR), layout.steps());
-    match (order.linear, form.side.is_some()) {
-        (true, _) => row::linear(&form.share, floor, steps, light, out),
-        (false, true) => row::clamped::<T, L, true>(form, floor, steps, light, out),
-        (false, false) => row::clamped::<T, L, false>(form, floor, steps, light, out),
-    }
+    row::run::<T, L>(*instructions, job);
 }

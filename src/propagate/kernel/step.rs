@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::carve::{Planes, Tied, cut_marks, runs, slab_of};
 use super::form::Form;
-use super::slab::{Source, advance};
+use super::slab::{Source, Work, advance};
 use super::{Instructions, Level, Order, Tally};
 use crate::field::{Grid, Marks};
 use crate::propagate::active::everywhere;
@@ -42,7 +42,7 @@ pub fn step<T: Real>(order: &Order<T>, level: &mut Level<'_, T>, pieces: usize, 
         let one = |z: usize| {
             let need = need.map(|need| slab_of(need, z));
             let mut target = part.tied.target(layout, z - slabs.start, &mut part.light, part.lit);
-            advance(order, layout, source, z, &mut target, need)
+            advance(Work { order, layout, source, z, need }, &mut target)
         };
         slabs.clone().map(one).collect()
     };
