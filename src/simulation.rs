@@ -29,7 +29,7 @@ use std::fmt;
 use ceiling::Ceiling;
 pub use ceiling::{Divergence, limit};
 
-use crate::field::{Channels, Grid, IndexVolume, Levels, Octree, memory};
+use crate::field::{Channels, Grid, IndexVolume, Levels, Marks, Octree, memory};
 use crate::propagate::kernel::occluded::{Occluders, Which};
 use crate::propagate::kernel::plain;
 use crate::propagate::levels::{self, Policy, TooLarge};
@@ -41,6 +41,7 @@ use crate::scene::preset::{Propagation, Snapshots};
 use crate::sh::Real;
 
 use engine::Engine;
+use occlusion::Obstacles;
 use options::Options;
 
 /// What the stepper can be told to do.
@@ -152,8 +153,9 @@ pub struct Simulation<T> {
     stencils: Vec<Stencil<T>>,
     /// What light that comes to rest on each level is multiplied with, by band.
     residences: Vec<[f64; 2]>,
-    /// With the first iteration in which they act.
-    occluders: Option<(Occluders<T>, usize)>,
+    obstacles: Option<Obstacles<T>>,
+    /// By level the cells that accumulate, where not all do.
+    accumulating: Option<Vec<Marks>>,
     lights: Vec<Light<T>>,
     index: IndexVolume,
     iteration: usize,
@@ -176,14 +178,15 @@ impl<T: Real> Simulation<T> {
         let (stencils, residences) = operators(&scheme, &scene.propagation, sizes)?;
         let channels = if options.skip.channels { occlusion::channels(&scene) } else { Channels::separate() };
         refuse_what_does_not_fit::<T>(sizes, channels.count())?;
-        let occluders = occlusion::occluders(&scene, sizes, &scheme);
+        let obstacles = Obstacles::new(&scene, sizes, &scheme);
+        let accumulating = occlusion::accumulating(&scene, sizes);
         let ceiling = Ceiling::new(&stencils, scene.occlusion.bounce);
         let engine = Engine::new(&stencils, options);
         let dark = || Octree::new(sizes);
         let light = || Light { source: dark(), target: dark(), accumulated: dark(), merged: None };
         let lights = (0..channels.count()).map(|_| light()).collect();
         let mut index = IndexVolume::new(sizes);
-        occlusion::mark_shut(occluders.as_ref(), &mut index);
+        occlusion::mark_shut(obstacles.as_ref(), &mut index);
         let divergence = None;
         Ok(Simulation {
             scene,
@@ -191,7 +194,8 @@ impl<T: Real> Simulation<T> {
             channels,
             stencils,
             residences,
-            occluders,
+            obstacles,
+            accumulating,
             lights,
             index,
             iteration: 0,
@@ -242,7 +246,7 @@ impl<T: Real> Simulation<T> {
         (self.stencils, self.residences) = operators(&scheme, &propagation, self.sizes)?;
         self.engine.set_stencils(&self.stencils);
         if propagation.scheme != self.scene.propagation.scheme {
-            self.occluders = occlusion::occluders(&self.scene, self.sizes, &scheme);
+            self.obstacles = Obstacles::new(&self.scene, self.sizes, &scheme);
         }
         self.ceiling = Ceiling::new(&self.stencils, self.scene.occlusion.bounce);
         self.scene.propagation = propagation;
@@ -330,7 +334,7 @@ impl<T: Real> Simulation<T> {
             light.merged = None;
         }
         self.index.clear();
-        occlusion::mark_shut(self.occluders.as_ref(), &mut self.index);
+        occlusion::mark_shut(self.obstacles.as_ref(), &mut self.index);
         self.iteration = 0;
     }
 
@@ -343,7 +347,7 @@ impl<T: Real> Simulation<T> {
                 for (cell, value) in &source.light {
                     let value = (*value * weight).cast();
                     light.source.level_mut(0).add(*cell, value);
-                    if accumulate {
+                    if accumulate && self.accumulating.as_ref().is_none_or(|cells| cells[0].get(*cell)) {
                         light.accumulated.level_mut(0).add(*cell, value);
                     }
                     if !value.is_zero() {
@@ -396,11 +400,6 @@ fn refuse_what_does_not_fit<T>(sizes: Levels, channels: usize) -> Result<(), Sim
         largest /= 2;
     }
     Err(SimulationError::Memory { size, needed: needed(size), free, largest })
-}
-
-/// The occluders that act in an iteration, counted from 1.
-fn acting<T>(occluders: &Option<(Occluders<T>, usize)>, iteration: usize) -> Option<&Occluders<T>> {
-    occluders.as_ref().filter(|(_, from)| iteration >= *from).map(|(occluders, _)| occluders)
 }
 
 /// One iteration of one level. Where albedos have colours each channel is one; where not, any colour will do.

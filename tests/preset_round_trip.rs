@@ -7,7 +7,7 @@ use lpv_lab::propagate::levels::Policy;
 use lpv_lab::propagate::scheme;
 use lpv_lab::scene::cell_file::Column;
 use lpv_lab::scene::injector::{Injector, InjectorKind, Side};
-use lpv_lab::scene::occluder::{Axis, BlockingSign, Occluder, OccluderKind, OcclusionMode};
+use lpv_lab::scene::occluder::{Accumulate, Axis, BlockingSign, Occluder, OccluderKind, OcclusionMode};
 use lpv_lab::scene::preset::Snapshots;
 use lpv_lab::scene::{Occlusion, Preset, Propagation};
 use proptest::prelude::*;
@@ -68,9 +68,17 @@ fn occluder() -> impl Strategy<Value = Occluder> {
 fn occlusion() -> impl Strategy<Value = Occlusion> {
     let mode = select(&[OcclusionMode::Off, OcclusionMode::Fuzzy, OcclusionMode::Hard][..]);
     let sign = select(&[BlockingSign::AgainstTravel, BlockingSign::AlongTravel][..]);
-    (mode, 0.0..1e10, sign, any::<usize>(), 0.0..10.0).prop_map(|(mode, amplifier, sign, from_iteration, bounce)| {
-        Occlusion { mode, amplifier, sign, from_iteration, bounce }
-    })
+    let accumulate = select(&[Accumulate::Everywhere, Accumulate::Occupied][..]);
+    (mode, 0.0..1e10, sign, any::<usize>(), 0.0..10.0, accumulate).prop_map(
+        |(mode, amplifier, sign, from_iteration, bounce, accumulate)| Occlusion {
+            mode,
+            amplifier,
+            sign,
+            from_iteration,
+            bounce,
+            accumulate,
+        },
+    )
 }
 
 fn propagation() -> impl Strategy<Value = Propagation> {

@@ -95,7 +95,7 @@ fn occlusion() -> impl Strategy<Value = Occlusion> {
         sign,
         amplifier,
         from_iteration,
-        bounce: 0.0,
+        ..Occlusion::default()
     })
 }
 

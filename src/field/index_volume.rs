@@ -40,6 +40,13 @@ impl Marks {
         self.words[(z * self.n + y) * self.words_per_row + x / 64] |= 1 << (x % 64);
     }
 
+    /// Marks a cell, or takes its mark away.
+    #[inline]
+    pub fn put(&mut self, [x, y, z]: Cell, mark: bool) {
+        let (word, bit) = ((z * self.n + y) * self.words_per_row + x / 64, x % 64);
+        self.words[word] = self.words[word] & !(1 << bit) | u64::from(mark) << bit;
+    }
+
     /// The words of all rows, [`Self::words_per_row`] each, y faster than z; bit x % 64 of word x / 64 is cell x.
     pub fn words(&self) -> &[u64] {
         &self.words

@@ -2,9 +2,10 @@
 //!
 //! [`plain`] is the definition. The others give the same light faster: [`form`] finds in a stencil the
 //! few numbers that its symmetry leaves, `row` computes a row of cells from them, `slab` a slab of rows
-//! with what may be skipped in it (`found` looks at what came out), [`step`] one iteration and
-//! [`blocked`] several in one pass over memory.
+//! with what may be skipped in it (`found` looks at what came out), [`step`] one iteration, [`among`] one
+//! among occluders, and [`blocked`] several in one pass over memory.
 
+pub mod among;
 pub mod blocked;
 mod carve;
 #[cfg(test)]

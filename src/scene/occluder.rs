@@ -83,8 +83,26 @@ pub struct Occlusion {
     pub sign: BlockingSign,
     /// The first iteration that fuzzy occlusion acts in; 2, so that light gets away from its own surface.
     pub from_iteration: usize,
-    /// What reflected light is multiplied by, finite and ≥ 0; 0, no reflection.
+    /// What reflected light is multiplied by, finite and ≥ 0; 0, no reflection. The reflective scheme mirrors
+    /// by opacity and albedo alone, whatever this is.
     pub bounce: f64,
+    /// Where light is accumulated; `Everywhere`.
+    #[serde(skip_serializing_if = "is_everywhere")]
+    pub accumulate: Accumulate,
+}
+
+/// The cells whose light is accumulated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Accumulate {
+    /// All of them.
+    #[default]
+    Everywhere,
+    /// Occupied ones alone, on every level: what arrives at surfaces (001, 3, which reads nowhere else).
+    Occupied,
+}
+
+fn is_everywhere(accumulate: &Accumulate) -> bool {
+    *accumulate == Accumulate::Everywhere
 }
 
 /// Whether and how occluders block.
@@ -117,6 +135,7 @@ impl Default for Occlusion {
             sign: BlockingSign::AgainstTravel,
             from_iteration: 2,
             bounce: 0.0,
+            accumulate: Accumulate::Everywhere,
         }
     }
 }

@@ -8,8 +8,9 @@
 //! that is not in the cone, nothing is proved and no run stops early.
 
 use super::engine::Stage;
+use super::occlusion::accumulate;
 use super::options::{Kernel, Options, Wanted, Work};
-use super::{Action, Light, Simulation, acting, step};
+use super::{Action, Light, Simulation, step};
 use crate::field::{IndexVolume, Marks};
 use crate::propagate::active::grown;
 use crate::propagate::kernel::occluded::Which;
@@ -48,7 +49,7 @@ impl<T: Real> Simulation<T> {
     pub fn advance(&mut self, iterations: usize, wanted: Wanted) {
         let end = self.iteration + iterations;
         while self.iteration < end && !self.is_done() {
-            if self.options().tolerance.is_some() || !self.is_fast() {
+            if self.options().tolerance.is_some() || self.obstacles.is_some() || !self.is_fast() {
                 if !self.act(Action::Propagate).target {
                     break;
                 }
@@ -68,7 +69,10 @@ impl<T: Real> Simulation<T> {
     /// An upper bound on all light still to come, as a part of what has been accumulated (both as Σ c00, on
     /// the level where it is largest). `None` while nothing is proved, or if no tolerance is set.
     pub fn still_to_come(&self) -> Option<f64> {
-        self.engine.options.tolerance?;
+        // Occluders may reflect more than they stop, and what counts is what was accumulated everywhere.
+        if self.engine.options.tolerance.is_none() || self.obstacles.is_some() || self.accumulating.is_some() {
+            return None;
+        }
         let known = self.engine.known.as_ref()?;
         let levels = known.iter().flat_map(|channel| channel.iter().enumerate());
         levels
@@ -89,16 +93,14 @@ impl<T: Real> Simulation<T> {
     /// Whether the fast loops can do the next iteration and all after it.
     fn is_fast(&self) -> bool {
         let counts_twice = self.iteration == 0 && self.scene.propagation.snapshots == Snapshots::CopyFirst;
-        self.options().kernel == Kernel::Fast
-            && !counts_twice
-            && self.occluders.is_none()
-            && self.engine.forms.iter().all(Option::is_some)
+        self.options().kernel == Kernel::Fast && !counts_twice && self.engine.forms.iter().all(Option::is_some)
     }
 
     /// One iteration by the definition.
     fn plainly(&mut self) {
         let keep_source = self.iteration == 0 && self.scene.propagation.snapshots == Snapshots::CopyFirst;
-        let occluders = acting(&self.occluders, self.iteration + 1);
+        let occluders =
+            self.obstacles.as_ref().filter(|o| o.act_in(self.iteration + 1)).map(|obstacles| &obstacles.occluders);
         for (colour, light) in self.lights.iter_mut().enumerate() {
             for (i, stencil) in self.stencils.iter().enumerate() {
                 let (source, target) = (light.source.level(i), light.target.level_mut(i));
@@ -107,7 +109,8 @@ impl<T: Real> Simulation<T> {
                     target.add_grid(source);
                 }
                 self.index.level_mut(i).mark_lit(target);
-                light.accumulated.level_mut(i).add_grid(target);
+                let cells = self.accumulating.as_ref().map(|cells| &cells[i]);
+                accumulate(target, cells, light.accumulated.level_mut(i));
             }
             std::mem::swap(&mut light.source, &mut light.target);
         }
@@ -149,14 +152,18 @@ impl<T: Real> Simulation<T> {
                 (0..iterations).map(|t| &needs[(iterations - 1 - t).min(needs.len() - 1)]).collect()
             });
             let Some(form) = form else { continue };
-            for (light, known) in self.lights.iter_mut().zip(&mut known) {
+            for (colour, (light, known)) in self.lights.iter_mut().zip(&mut known).enumerate() {
                 let mut stage = Stage {
                     source: light.source.level_mut(i),
                     target: light.target.level_mut(i),
                     accumulated: light.accumulated.level_mut(i),
                     index: &mut self.index,
-                    level: i,
+                    which: Which { level: i, colour },
+                    stencil: &self.stencils[i],
+                    obstacles: self.obstacles.as_ref(),
+                    accumulating: self.accumulating.as_ref().map(|cells| &cells[i]),
                 };
+                let iterations = self.iteration..self.iteration + iterations;
                 visited += stage.advance((form, &options), threads, &mut known[i], iterations, needs.as_deref());
             }
         }

@@ -1,7 +1,8 @@
 //! Downsampling for levels that agree: every level takes its light over from the next finer one
 //! ([`crate::propagate::levels`]).
 
-use super::{Light, Simulation, acting, step};
+use super::occlusion::accumulate;
+use super::{Light, Simulation, step};
 use crate::field::{Grid, downsample_into};
 use crate::propagate::kernel::occluded::Which;
 use crate::propagate::kernel::step::once;
@@ -19,7 +20,7 @@ impl<T: Real> Simulation<T> {
         for (colour, Light { source, accumulated, .. }) in self.lights.iter_mut().enumerate() {
             for i in 1..self.sizes.count() {
                 // Each level has gone a step further than the one before.
-                let occluders = acting(&self.occluders, self.iteration + i);
+                let occluders = self.obstacles.as_ref().filter(|o| o.act_in(self.iteration + i)).map(|o| &o.occluders);
                 let moved = match &self.engine.forms[i - 1] {
                     Some(form) if occluders.is_none() => once(form, source.level(i - 1).clone()),
                     _ => {
@@ -36,7 +37,8 @@ impl<T: Real> Simulation<T> {
                     rested.add_grid(source.level(i - 1));
                 }
                 downsample_into(&rested, accumulated.level_mut(i));
-                accumulated.level_mut(i).add_grid(source.level(i));
+                let cells = self.accumulating.as_ref().map(|cells| &cells[i]);
+                accumulate(source.level(i), cells, accumulated.level_mut(i));
             }
         }
     }

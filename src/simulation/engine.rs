@@ -1,14 +1,18 @@
 //! What the fast loops know about a simulation's light from one iteration to the next.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use rayon::ThreadPool;
 
 use super::Action;
+use super::occlusion::{Obstacles, accumulate};
 use super::options::{Options, Work};
 use crate::field::{Grid, IndexVolume, Marks, Octree};
 use crate::propagate::active::everywhere;
+use crate::propagate::kernel::among::{self, Among};
 use crate::propagate::kernel::form::Form;
+use crate::propagate::kernel::occluded::Which;
 use crate::propagate::kernel::{Level, Order, Tally, blocked, lies_in_cone, step};
 use crate::propagate::stencil::Stencil;
 use crate::sh::Real;
@@ -107,49 +111,66 @@ pub(super) struct Stage<'a, T> {
     pub(super) target: &'a mut Grid<T>,
     pub(super) accumulated: &'a mut Grid<T>,
     pub(super) index: &'a mut IndexVolume,
-    pub(super) level: usize,
+    pub(super) which: Which,
+    pub(super) stencil: &'a Stencil<T>,
+    pub(super) obstacles: Option<&'a Obstacles<T>>,
+    /// The cells that accumulate, where not all do.
+    pub(super) accumulating: Option<&'a Marks>,
 }
 
-impl<T: Real> Stage<'_, T> {
-    /// Takes the level `iterations` further and returns how many cells that took. The newest light is in
-    /// the source then. `needs` holds, for each of the iterations, the cells that may not be left out.
+impl<'a, T: Real> Stage<'a, T> {
+    /// Takes the level through `iterations`, counted from 0, and returns how many cells that took. The newest
+    /// light is in the source then. `needs` holds, for each of the iterations, the cells that may not be left out.
     pub(super) fn advance(
         &mut self,
         (form, options): (&Form<T>, &Options),
         threads: usize,
         known: &mut Known,
-        iterations: usize,
+        iterations: Range<usize>,
         needs: Option<&[&Marks]>,
     ) -> usize {
         let (mut done, mut visited) = (0, 0);
-        while done < iterations {
-            let undecided = form.cone.filter(|_| !known.linear);
+        while done < iterations.len() {
+            let among = self.among(iterations.start + done + 1);
+            // What occluders leave of the light need not be in the cone.
+            known.linear &= among.is_none();
+            let undecided = form.cone.filter(|_| !known.linear && self.obstacles.is_none());
             let order = Order {
                 form: *form,
                 linear: known.linear,
-                drop_dark: options.skip.dark,
+                drop_dark: options.skip.dark && among.is_none(),
                 cone: undecided,
                 energy: options.tolerance.is_some(),
                 instructions: options.instructions,
             };
             // While the clamped form is only in use until the light is in the cone, every step is looked at.
-            let single = !options.blocked || undecided.is_some() || options.tolerance.is_some();
-            let depth =
-                if single { 1 } else { blocked::depth::<T>(self.source.layout(), threads).min(iterations - done) };
+            let looked_at = undecided.is_some() || options.tolerance.is_some() || self.accumulating.is_some();
+            let single = !options.blocked || looked_at || self.obstacles.is_some();
+            let depth = match single {
+                true => 1,
+                false => blocked::depth::<T>(self.source.layout(), threads).min(iterations.len() - done),
+            };
             let mut level = Level {
                 source: self.source,
                 source_lit: &mut known.source,
                 target: self.target,
                 target_lit: &mut known.target,
-                sum: Some(self.accumulated),
-                marks: self.index.level_mut(self.level),
+                sum: self.accumulating.is_none().then_some(&mut *self.accumulated),
+                marks: self.index.level_mut(self.which.level),
             };
             let tally: Tally = if depth == 1 {
                 let pieces = step::pieces(threads, level.source_lit.count());
-                step::step(&order, &mut level, pieces, needs.map(|needs| needs[done]))
+                let need = needs.map(|needs| needs[done]);
+                match among {
+                    Some(among) => among::step(&order, &mut level, pieces, need, among),
+                    None => step::step(&order, &mut level, pieces, need),
+                }
             } else {
                 blocked::advance_many(&order, &mut level, depth, threads, needs.map(|needs| &needs[done..done + depth]))
             };
+            if let Some(cells) = self.accumulating {
+                accumulate(self.target, Some(cells), self.accumulated);
+            }
             if depth % 2 == 1 {
                 std::mem::swap(self.source, self.target);
                 std::mem::swap(&mut known.source, &mut known.target);
@@ -161,5 +182,12 @@ impl<T: Real> Stage<'_, T> {
             visited += tally.visited;
         }
         visited
+    }
+
+    /// The occluders that act in an iteration, counted from 1.
+    fn among(&self, iteration: usize) -> Option<Among<'a, T>> {
+        let obstacles = self.obstacles.filter(|obstacles| obstacles.act_in(iteration))?;
+        let touched = &obstacles.touched[self.which.level];
+        Some(Among { occluders: &obstacles.occluders, which: self.which, touched, stencil: self.stencil })
     }
 }

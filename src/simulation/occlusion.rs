@@ -1,51 +1,92 @@
 //! What a scene's occluders are to its simulation: which kind of occluders, from which iteration on, and
 //! whether they tint light.
 
-use crate::field::{Channels, IndexVolume, Levels};
+use crate::field::{Cell, Channels, Grid, IndexVolume, Levels, Marks};
 use crate::propagate::barrier::Barrier;
 use crate::propagate::geometry::Geometry;
 use crate::propagate::kernel::occluded::{Fuzzy, Hard, Mirrored, Occluders};
 use crate::propagate::scheme::{Scheme, Surface};
 use crate::scene::Scene;
-use crate::scene::occluder::{BlockingSign, OcclusionMode};
+use crate::scene::occluder::{Accumulate, BlockingSign, OcclusionMode};
 use crate::sh::Real;
 
-/// The occluders of a scene as a scheme sees them, and the first iteration in which they act. `None`
-/// where there are none.
-pub(super) fn occluders<T: Real>(scene: &Scene, sizes: Levels, scheme: &Scheme) -> Option<(Occluders<T>, usize)> {
-    let occlusion = scene.occlusion;
-    if scene.blockers.is_empty() || occlusion.mode == OcclusionMode::Off {
-        return None;
+/// The occluders of a scene as a scheme sees them.
+#[derive(Clone, Debug)]
+pub(super) struct Obstacles<T> {
+    pub(super) occluders: Occluders<T>,
+    /// The first iteration in which they act, counted from 1.
+    from_iteration: usize,
+    /// By level, the cells whose light depends on them.
+    pub(super) touched: Vec<Vec<Cell>>,
+}
+
+impl<T: Real> Obstacles<T> {
+    /// `None` where there are none.
+    pub(super) fn new(scene: &Scene, sizes: Levels, scheme: &Scheme) -> Option<Self> {
+        let occlusion = scene.occlusion;
+        if scene.blockers.is_empty() || occlusion.mode == OcclusionMode::Off {
+            return None;
+        }
+        let geometry = Geometry::new(sizes, &scene.blockers);
+        // Reflection is what a mirroring scheme is; in the others it is an extra that the preset asks for.
+        let mirrors = scheme.surface == Surface::Mirrored;
+        let (occluders, from_iteration) = match occlusion.mode {
+            OcclusionMode::Hard => {
+                let injected = scene.sources.iter().flat_map(|source| &source.light);
+                let barrier = Barrier::new(sizes, &scene.blockers, injected.map(|(cell, _)| *cell));
+                let bounce = if mirrors { 1.0 } else { occlusion.bounce };
+                (Occluders::Hard(Hard { barrier, geometry, bounce: T::of(bounce) }), 0)
+            }
+            _ if mirrors => (Occluders::Mirrored(Mirrored { geometry }), 0),
+            _ => {
+                let fuzzy = Fuzzy {
+                    geometry,
+                    amplifier: T::of(occlusion.amplifier),
+                    along_travel: occlusion.sign == BlockingSign::AlongTravel,
+                    bounce: T::of(occlusion.bounce),
+                };
+                (Occluders::Fuzzy(fuzzy), occlusion.from_iteration)
+            }
+        };
+        let touched = (0..sizes.count()).map(|i| occluders.touched(i, sizes.side(i))).collect();
+        Some(Obstacles { occluders, from_iteration, touched })
     }
-    let geometry = Geometry::new(sizes, &scene.blockers);
-    // Reflection is what a mirroring scheme is; in the others it is an extra that the preset asks for.
-    let mirrors = scheme.surface == Surface::Mirrored;
-    let occluders = match occlusion.mode {
-        OcclusionMode::Hard => {
-            let injected = scene.sources.iter().flat_map(|source| &source.light);
-            let barrier = Barrier::new(sizes, &scene.blockers, injected.map(|(cell, _)| *cell));
-            let bounce = if mirrors { 1.0 } else { occlusion.bounce };
-            (Occluders::Hard(Hard { barrier, geometry, bounce: T::of(bounce) }), 0)
-        }
-        _ if mirrors => (Occluders::Mirrored(Mirrored { geometry }), 0),
-        _ => {
-            let fuzzy = Fuzzy {
-                geometry,
-                amplifier: T::of(occlusion.amplifier),
-                along_travel: occlusion.sign == BlockingSign::AlongTravel,
-                bounce: T::of(occlusion.bounce),
-            };
-            (Occluders::Fuzzy(fuzzy), occlusion.from_iteration)
-        }
-    };
-    Some(occluders)
+
+    /// Whether they act in an iteration, counted from 1.
+    pub(super) fn act_in(&self, iteration: usize) -> bool {
+        iteration >= self.from_iteration
+    }
 }
 
 /// Sees to it that cells which hard occluders let no light enter are sampled at level 0.
-pub(super) fn mark_shut<T: Real>(occluders: Option<&(Occluders<T>, usize)>, index: &mut IndexVolume) {
-    if let Some((Occluders::Hard(hard), _)) = occluders {
+pub(super) fn mark_shut<T: Real>(obstacles: Option<&Obstacles<T>>, index: &mut IndexVolume) {
+    if let Some(Obstacles { occluders: Occluders::Hard(hard), .. }) = obstacles {
         let marks = index.level_mut(0);
         hard.barrier.shut().for_each(|cell| marks.set(cell));
+    }
+}
+
+/// By level the cells that accumulate light; `None` where all do.
+pub(super) fn accumulating(scene: &Scene, sizes: Levels) -> Option<Vec<Marks>> {
+    if scene.occlusion.accumulate == Accumulate::Everywhere {
+        return None;
+    }
+    let level = |i: usize| {
+        let mut occupied = Marks::new(sizes.side(i));
+        scene.blockers.iter().for_each(|blocker| occupied.set(blocker.cell.map(|c| c >> i)));
+        occupied
+    };
+    Some((0..sizes.count()).map(level).collect())
+}
+
+/// Adds the light of an iteration to what was accumulated, in all cells or in the given ones.
+pub(super) fn accumulate<T: Real>(light: &Grid<T>, cells: Option<&Marks>, accumulated: &mut Grid<T>) {
+    match cells {
+        None => accumulated.add_grid(light),
+        Some(cells) => {
+            let lit = light.iter().filter(|(cell, _)| cells.get(*cell));
+            lit.for_each(|(cell, light)| accumulated.add(cell, light));
+        }
     }
 }
 

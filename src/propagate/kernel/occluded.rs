@@ -3,7 +3,7 @@
 //! Like [`super::plain`] this is a definition: it gathers, cell by cell, what the six neighbours send.
 
 use super::settle;
-use crate::field::{Cell, Grid};
+use crate::field::{Cell, Grid, Layout};
 use crate::propagate::barrier::Barrier;
 use crate::propagate::face::Direction;
 use crate::propagate::geometry::Geometry;
@@ -72,13 +72,29 @@ impl<T: Real> Occluders<T> {
     /// Outside the grid is dark.
     pub fn propagate(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, target: &mut Grid<T>) {
         for cell in source.layout().cells() {
-            let receive = |d| match self {
-                Occluders::Fuzzy(fuzzy) => fuzzy.receive(stencil, which, source, cell, d),
-                Occluders::Mirrored(mirrored) => mirrored.receive(stencil, which, source, cell, d),
-                Occluders::Hard(hard) => hard.receive(stencil, which, source, cell, d),
-            };
-            target.set(cell, settle((0..Direction::ALL.len()).map(receive).sum()));
+            target.set(cell, self.receive(stencil, which, source, cell));
         }
+    }
+
+    /// What one cell receives from its neighbours, and back from occluders.
+    pub(super) fn receive(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, cell: Cell) -> Sh<T> {
+        let receive = |d| match self {
+            Occluders::Fuzzy(fuzzy) => fuzzy.receive(stencil, which, source, cell, d),
+            Occluders::Mirrored(mirrored) => mirrored.receive(stencil, which, source, cell, d),
+            Occluders::Hard(hard) => hard.receive(stencil, which, source, cell, d),
+        };
+        settle((0..Direction::ALL.len()).map(receive).sum())
+    }
+
+    /// The cells of an n³ level whose light depends on an occluder; the others receive what they would
+    /// without any.
+    pub fn touched(&self, level: usize, n: usize) -> Vec<Cell> {
+        let is_touched = |cell: &Cell| match self {
+            Occluders::Fuzzy(fuzzy) => fuzzy.touches(level, *cell),
+            Occluders::Mirrored(mirrored) => mirrored.geometry.opacity(level, *cell) != T::ZERO,
+            Occluders::Hard(hard) => hard.touches(level, *cell, n),
+        };
+        Layout::new(n).cells().filter(is_touched).collect()
     }
 }
 
@@ -88,6 +104,14 @@ fn sender<T: Real>(source: &Grid<T>, cell: Cell, d: Direction) -> Sh<T> {
 }
 
 impl<T: Real> Fuzzy<T> {
+    /// Whether a blocker lies at one of the cell's eight corners.
+    fn touches(&self, level: usize, [x, y, z]: Cell) -> bool {
+        (0..8)
+            .map(|bits| [bits & 1, bits >> 1 & 1, bits >> 2])
+            .filter(|low| x >= low[0] && y >= low[1] && z >= low[2])
+            .any(|low| !self.geometry.lobe(level, [x - low[0], y - low[1], z - low[2]]).is_zero())
+    }
+
     fn receive(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, cell: Cell, d: usize) -> Sh<T> {
         let direction = Direction::ALL[d];
         let light = sender(source, cell, direction);
@@ -135,6 +159,12 @@ impl<T: Real> Mirrored<T> {
 }
 
 impl<T: Real> Hard<T> {
+    /// Whether the cell or a neighbour holds light up.
+    fn touches(&self, level: usize, cell: Cell, n: usize) -> bool {
+        let is_open = |cell| (0..3).all(|axis| self.barrier.passes(level, cell, axis) == T::of(1.0));
+        !is_open(cell) || Direction::ALL.iter().any(|d| d.neighbour(cell, n).is_some_and(|next| !is_open(next)))
+    }
+
     /// Besides what `cell` receives in direction `d`, what the neighbour in that direction sends back to it.
     fn receive(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, cell: Cell, d: usize) -> Sh<T> {
         let direction = Direction::ALL[d];
@@ -157,6 +187,7 @@ mod tests {
     use crate::field::Levels;
     use crate::propagate::face::{far_solid_angle, side_solid_angle};
     use crate::propagate::geometry::Blocker;
+    use crate::propagate::kernel::plain;
     use crate::propagate::{cascaded, reflective};
     use crate::sh::SPHERE;
     use glam::DVec3;
@@ -187,6 +218,41 @@ mod tests {
     fn flux_ahead() -> (f64, f64) {
         let value = |cosine: f64| 0.25 + 0.5 * cosine;
         (value(1.0) * far_solid_angle() / SPHERE, 4.0 * value(2.0 / 5f64.sqrt()) * side_solid_angle() / SPHERE)
+    }
+
+    #[test]
+    fn cells_that_no_occluder_touches_receive_what_they_would_without() {
+        let stencil = Stencil::new(&cascaded::scheme(), 3.0, true);
+        let mut source = Grid::new(N);
+        for (i, cell) in source.layout().cells().enumerate() {
+            let (s, c) = (i as f64).sin_cos();
+            source.set(cell, Sh::lobe(DVec3::new(s, c, 0.0)));
+        }
+        let mut free = Grid::new(N);
+        plain::propagate(&stencil, &source, &mut free);
+        let corner: Vec<Blocker> = wall(0.7).into_iter().filter(|b| b.cell[1] > 2 && b.cell[2] < 5).collect();
+        let barrier = Barrier::new(Levels::new(N, 1).unwrap(), &corner, [[0, 0, 0]]);
+        for (occluders, most) in [
+            (
+                Occluders::Fuzzy(Fuzzy {
+                    geometry: geometry(&corner),
+                    amplifier: 0.8,
+                    along_travel: false,
+                    bounce: 0.5,
+                }),
+                2 * 6 * 6,
+            ),
+            (Occluders::Mirrored(Mirrored { geometry: geometry(&corner) }), 5 * 5),
+            (Occluders::Hard(Hard { barrier, geometry: geometry(&corner), bounce: 0.5 }), 3 * 5 * 5 + 2 * 5),
+        ] {
+            let mut found = Grid::new(N);
+            occluders.propagate(&stencil, RED, &source, &mut found);
+            let touched = occluders.touched(0, N);
+            assert!(!touched.is_empty() && touched.len() <= most, "{}", touched.len());
+            for (cell, light) in found.iter() {
+                assert!(light == free.get(cell) || touched.contains(&cell), "{cell:?}");
+            }
+        }
     }
 
     #[test]

@@ -107,6 +107,7 @@ fn occlusion(random: &mut Random) -> Occlusion {
         sign: [BlockingSign::AgainstTravel, BlockingSign::AlongTravel][random.below(2)],
         from_iteration: random.below(4),
         bounce: if random.once_in(3) { random.between(0.0, 1.5) } else { 0.0 },
+        ..Occlusion::default()
     }
 }
 
