@@ -212,7 +212,7 @@ fn presets() -> Vec<PathBuf> {
 
 #[test]
 fn every_preset_loads_says_what_to_look_for_and_lights_something() {
-    assert!(presets().len() >= 13);
+    assert!(presets().len() >= 14);
     for path in presets() {
         let text = fs::read_to_string(&path).expect("text");
         assert!((2..=4).contains(&text.lines().take_while(|line| line.starts_with("// ")).count()), "{path:?}");

@@ -8,8 +8,11 @@
 //! the albedo (the paper: 0.5 throughout) and the opacity; the rest of the opacity is absorbed.
 //!
 //! - Weights, clamp, gains and critical factors are those of [`super::cone`].
-//! - The paper accumulates at occupied cells alone, because it reads nowhere else. The lab accumulates
-//!   everywhere; at occupied cells it is the paper's sum.
+//! - The paper accumulates at occupied cells alone, because it reads nowhere else, and from the first
+//!   iteration on: `accumulate: Occupied` with `snapshots: WithoutInjected`, as in the preset
+//!   `mirrored-room`. By default the lab accumulates everywhere; at occupied cells of level 0 the sum is
+//!   the same.
+//! - A preset's `bounce` does not count here: the mirror reflects by opacity and albedo.
 
 use super::cone;
 use super::scheme::{Scheme, Surface};

@@ -26,6 +26,7 @@ pub const PRESETS: &[(&str, &str)] = presets![
     "wall-with-gap",
     "pillar",
     "room-with-window",
+    "mirrored-room",
 ];
 
 /// Files beside the presets that some of them read, by their path from the presets' folder.

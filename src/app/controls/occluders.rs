@@ -6,7 +6,7 @@ use super::field::{self, choice, named_choice, named_row, number};
 use super::injectors::titled_buttons;
 use super::{Wish, small_button};
 use crate::scene::Preset;
-use crate::scene::occluder::{Axis, BlockingSign, Occluder, OccluderKind, Occlusion, OcclusionMode};
+use crate::scene::occluder::{Accumulate, Axis, BlockingSign, Occluder, OccluderKind, Occlusion, OcclusionMode};
 
 /// The list, and a button that makes it longer.
 pub fn ui(ui: &mut Ui, preset: &mut Preset, wish: &mut Wish) {
@@ -124,9 +124,22 @@ fn acting(ui: &mut Ui, occlusion: &mut Occlusion) {
     let all = [OcclusionMode::Off, OcclusionMode::Fuzzy, OcclusionMode::Hard];
     let hint = "Fuzzy: a geometry volume half a cell off the light; hard: an occupied cell passes nothing";
     choice(ui, "Occlusion", hint, &mut occlusion.mode, &all, text);
-    if occlusion.mode != OcclusionMode::Fuzzy {
-        return;
+    match occlusion.mode {
+        OcclusionMode::Off => return,
+        OcclusionMode::Fuzzy => fuzzy(ui, occlusion),
+        OcclusionMode::Hard => (),
     }
+    let field = DragValue::new(&mut occlusion.bounce).range(0.0..=100.0).speed(0.01);
+    number(ui, "Bounce", "What reflected light is multiplied by; the reflective scheme mirrors by albedo alone", field);
+    let text = |accumulate: &Accumulate| match accumulate {
+        Accumulate::Everywhere => "Everywhere".to_owned(),
+        Accumulate::Occupied => "Occupied cells".to_owned(),
+    };
+    let all = [Accumulate::Everywhere, Accumulate::Occupied];
+    choice(ui, "Accumulate", "Which cells sum up the light that they receive", &mut occlusion.accumulate, &all, text);
+}
+
+fn fuzzy(ui: &mut Ui, occlusion: &mut Occlusion) {
     let field = DragValue::new(&mut occlusion.amplifier).range(0.0..=100.0).speed(0.01);
     number(ui, "Amplifier", "What fuzzy blocking is multiplied by", field);
     let text = |sign: &BlockingSign| match sign {
@@ -137,6 +150,4 @@ fn acting(ui: &mut Ui, occlusion: &mut Occlusion) {
     choice(ui, "Sign", "Which side of a surface blocks light", &mut occlusion.sign, &all, text);
     let field = DragValue::new(&mut occlusion.from_iteration).range(0..=1000).speed(0.05);
     number(ui, "From iteration", "The first iteration that it acts in", field);
-    let field = DragValue::new(&mut occlusion.bounce).range(0.0..=100.0).speed(0.01);
-    number(ui, "Bounce", "What reflected light is multiplied by", field);
 }
