@@ -12,7 +12,7 @@ use super::output::Folder;
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
 use crate::report::table::Table;
-use crate::study::benchmark::{self, BenchmarkError, KernelRow, Pipeline, THESIS_MILLISECONDS};
+use crate::study::benchmark::{self, BenchmarkError, Fading, KernelRow, Pipeline, THESIS_MILLISECONDS};
 use crate::study::pareto::Plan;
 
 /// What to measure, and where to write.
@@ -104,6 +104,7 @@ fn kernels(args: &BenchArgs, folder: &Folder) -> Result<(), CliError> {
     for threads in threads {
         print_pipeline(&Pipeline::measure(threads, 101)?);
     }
+    print_fading(&Fading::measure()?);
     let mut csv = Vec::new();
     table.write_csv(&mut csv).map_err(|e| CliError::Failed(format!("kernels.csv: {e}")))?;
     folder.write("kernels.csv", csv)?;
@@ -152,6 +153,16 @@ fn print_pipeline(pipeline: &Pipeline) {
         THESIS_MILLISECONDS / milliseconds,
         *bytes as f64 / 1e6
     );
+}
+
+fn print_fading(Fading { computed, skipped }: &Fading) {
+    let line = |hundreds: &[f64]| {
+        let slowest = hundreds.iter().copied().fold(0.0, f64::max);
+        let (first, last) = (hundreds.first().copied().unwrap_or(0.0), hundreds.last().copied().unwrap_or(0.0));
+        format!("{first:.3} ns a cell in the first hundred, {last:.3} in the last, {slowest:.3} in the slowest")
+    };
+    println!("\nOne wall fading for 2000 iterations (n = 32, p = 3, one thread): {}", line(computed));
+    println!("The same with skipping: {}", line(skipped));
 }
 
 /// Time over size of every loop that works on a whole level, cascaded scheme, a plot for each number of threads.

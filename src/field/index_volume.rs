@@ -62,6 +62,11 @@ impl Marks {
         self.words_per_row
     }
 
+    /// Cells in words with any mark: how many the loops that work by the word have to visit, about.
+    pub fn cells_in_touched_words(&self) -> usize {
+        self.words.iter().filter(|word| **word != 0).count() * self.n.min(64)
+    }
+
     /// Marks every cell of `grid` that is not dark.
     pub fn mark_lit<T: Real>(&mut self, grid: &Grid<T>) {
         for (cell, light) in grid.iter() {

@@ -159,7 +159,7 @@ impl<'a, T: Real> Stage<'a, T> {
                 marks: self.index.level_mut(self.which.level),
             };
             let tally: Tally = if depth == 1 {
-                let pieces = step::pieces(threads, level.source_lit.count());
+                let pieces = step::pieces(threads, level.source_lit.cells_in_touched_words());
                 let need = needs.map(|needs| needs[done]);
                 match among {
                     Some(among) => among::step(&order, &mut level, pieces, need, among),

@@ -6,6 +6,7 @@
 
 pub mod aos;
 mod dense;
+mod fading;
 mod pipeline;
 mod skipping;
 mod triad;
@@ -17,6 +18,7 @@ use crate::scene::SceneError;
 use crate::simulation::SimulationError;
 
 use dense::{Dense, Loop};
+pub use fading::Fading;
 pub use pipeline::{Pipeline, THESIS_MILLISECONDS};
 use triad::Triad;
 

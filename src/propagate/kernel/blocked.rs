@@ -30,7 +30,9 @@ pub fn depth<T: Real>(layout: Layout, threads: usize) -> usize {
     let (n, threads) = (layout.side(), threads.max(1));
     // Three grids: source, target and sum.
     let slab = 3 * 4 * layout.steps()[2] * size_of::<T>();
-    let fits = (CACHE / (slab * threads)).saturating_sub(2).min(MOST);
+    // The wedges between threads' runs, 2·depth slabs wide, are left for the second half: keep them narrow.
+    let narrow = if threads == 1 { MOST } else { n / (8 * threads) };
+    let fits = (CACHE / (slab * threads)).saturating_sub(2).min(MOST).min(narrow);
     if n * slab <= CACHE || fits < 2 { 1 } else { fits }
 }
 

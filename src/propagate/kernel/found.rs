@@ -1,6 +1,8 @@
 //! What a run of cells that was just computed holds: which cells are lit, their sum, whether they lie in
 //! the cone, whether they have gone dark.
 
+use multiversion::multiversion;
+
 use super::row::chunked;
 use crate::field::{Grid, Marks};
 use crate::propagate::active::Row;
@@ -55,7 +57,7 @@ pub fn lies_in_cone<T: Real>(grid: &Grid<T>, lit: &Marks, r: f64) -> bool {
 }
 
 /// Whether c00 is at least ‖direction‖ / r in every cell, in f64, where no square is lost.
-#[inline(always)]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
 pub(super) fn within_cone<T: Real>([c, x, y, z]: [&[T]; 4], r: f64) -> bool {
     let len = c.len();
     let (x, y, z) = (&x[..len], &y[..len], &z[..len]);

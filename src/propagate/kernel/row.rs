@@ -11,7 +11,7 @@ use super::form::{Face, Form, Share};
 use super::{Instructions, settle_number};
 use crate::sh::Real;
 
-/// A stretch of cells to compute, and where it goes.
+/// Stretches of cells to compute, one a row, and where they go.
 pub(super) struct Job<'a, 'b, T> {
     pub(super) form: &'a Form<T>,
     /// Whether the linear form is enough.
@@ -19,13 +19,15 @@ pub(super) struct Job<'a, 'b, T> {
     pub(super) floor: T,
     /// The distances to the neighbours along x, y and z.
     pub(super) steps: [usize; 3],
-    /// How many chunks long the stretch is.
+    /// How many stretches there are, a row apart.
+    pub(super) stretches: usize,
+    /// How many chunks long each of them is.
     pub(super) chunks: usize,
     /// The source's planes c00, X, Y and Z.
     pub(super) planes: [&'a [T]; 4],
-    /// Where the stretch begins in them.
+    /// Where the first stretch begins in them.
     pub(super) at: usize,
-    /// Where the new light goes, from its first cell on.
+    /// Where the new light goes, from the first cell on.
     pub(super) target: [&'b mut [T]; 4],
     /// What it is added to, if anything.
     pub(super) sum: Option<[&'b mut [T]; 4]>,
@@ -51,15 +53,30 @@ fn avx2<T: Real, const L: usize>(job: Job<'_, '_, T>) {
 }
 
 #[inline(always)]
-fn any<T: Real, const L: usize>(mut job: Job<'_, '_, T>) {
-    match (job.linear, job.form.side.is_some(), job.sum.take()) {
-        (true, _, Some(sum)) => linear::<T, L, true>(job, sum),
-        (true, _, None) => linear::<T, L, false>(job, Default::default()),
-        (false, true, Some(sum)) => clamped::<T, L, true, true>(job, sum),
-        (false, true, None) => clamped::<T, L, true, false>(job, Default::default()),
-        (false, false, Some(sum)) => clamped::<T, L, false, true>(job, sum),
-        (false, false, None) => clamped::<T, L, false, false>(job, Default::default()),
+fn any<T: Real, const L: usize>(job: Job<'_, '_, T>) {
+    let Job { form, linear: is_linear, floor, steps, stretches, chunks, planes, at, mut target, mut sum } = job;
+    for begin in (0..stretches).map(|i| i * steps[1]) {
+        let light = Light { planes, at: at + begin, steps, chunks };
+        let target = target.each_mut().map(|plane| &mut plane[begin..]);
+        let sum = sum.as_mut().map(|sum| sum.each_mut().map(|plane| &mut plane[begin..]));
+        match (is_linear, form.side.is_some(), sum) {
+            (true, _, Some(sum)) => linear::<T, L, true>(form, floor, light, target, sum),
+            (true, _, None) => linear::<T, L, false>(form, floor, light, target, Default::default()),
+            (false, true, Some(sum)) => clamped::<T, L, true, true>(form, floor, light, target, sum),
+            (false, true, None) => clamped::<T, L, true, false>(form, floor, light, target, Default::default()),
+            (false, false, Some(sum)) => clamped::<T, L, false, true>(form, floor, light, target, sum),
+            (false, false, None) => clamped::<T, L, false, false>(form, floor, light, target, Default::default()),
+        }
     }
+}
+
+/// What one stretch is computed from.
+#[derive(Clone, Copy)]
+struct Light<'a, T> {
+    planes: [&'a [T]; 4],
+    at: usize,
+    steps: [usize; 3],
+    chunks: usize,
 }
 
 /// A stretch of a plane, by the chunk, one step back and one step on along an axis.
@@ -107,8 +124,13 @@ impl<'a, T: Real, const L: usize, const SUM: bool> Out<'a, T, L, SUM> {
 
 /// The linear form: plane by plane, from the numbers of the neighbours that go into each.
 #[inline(always)]
-fn linear<T: Real, const L: usize, const SUM: bool>(job: Job<'_, '_, T>, sum: [&mut [T]; 4]) {
-    let Job { form, floor, steps: [dx, dy, dz], chunks, planes: [c, x, y, z], at, target, .. } = job;
+fn linear<T: Real, const L: usize, const SUM: bool>(
+    form: &Form<T>,
+    floor: T,
+    Light { planes: [c, x, y, z], at, steps: [dx, dy, dz], chunks }: Light<'_, T>,
+    target: [&mut [T]; 4],
+    sum: [&mut [T]; 4],
+) {
     let [to_c, to_x, to_y, to_z] = target;
     let [sum_c, sum_x, sum_y, sum_z] = sum;
     let beside = |plane, step| beside::<T, L>(plane, at, step, chunks);
@@ -166,8 +188,13 @@ fn linear_direction<T: Real, const L: usize, const SUM: bool>(
 
 /// The clamped form, face by face. `SIDES`: whether there are side faces.
 #[inline(always)]
-fn clamped<T: Real, const L: usize, const SIDES: bool, const SUM: bool>(job: Job<'_, '_, T>, sum: [&mut [T]; 4]) {
-    let Job { form, floor, steps, chunks, planes, at, target, .. } = job;
+fn clamped<T: Real, const L: usize, const SIDES: bool, const SUM: bool>(
+    form: &Form<T>,
+    floor: T,
+    Light { planes, at, steps, chunks }: Light<'_, T>,
+    target: [&mut [T]; 4],
+    sum: [&mut [T]; 4],
+) {
     let [to_c, to_x, to_y, to_z] = target;
     let [sum_c, sum_x, sum_y, sum_z] = sum;
     let out = |target, sum| Out::<T, L, SUM>::new(target, sum, chunks);

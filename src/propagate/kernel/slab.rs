@@ -14,6 +14,9 @@ use crate::sh::Real;
 /// Cells computed at a time: an AVX-512 register of f32, two of AVX2, four of SSE or NEON.
 const LANES: usize = 16;
 
+/// The most rows that are computed as one stretch.
+const MOST_TOGETHER: usize = 16;
+
 /// The instruction set to compute with. All give the same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Instructions {
@@ -106,61 +109,124 @@ pub(super) fn advance<T: Real>(work: Work<'_, T>, target: &mut Target<'_, T>) ->
 
 fn rows<T: Real, const L: usize>(work: Work<'_, T>, target: &mut Target<'_, T>) -> Tally {
     let Work { layout, source, z, need, .. } = work;
-    let n = layout.side();
-    let per_row = target.marks.len() / n;
     let mut tally = Tally::NONE;
     if is_dark_around(source.lit, target.marks.len(), z) && target.lit.iter().all(|word| *word == 0) {
         return tally;
     }
-    let lit = &source.lit[z * target.lit.len()..];
-    let is_full = |words: &[u64]| words.iter().all(|word| *word == row_mask(n));
-    let group = rows_together::<L>(layout);
+    let (n, group) = (layout.side(), rows_together::<L>(layout));
+    let per_row = target.marks.len() / n;
     for first in (0..n).step_by(group) {
-        let words = first * per_row..(first + group) * per_row;
-        if group > 1 && is_full(&lit[words.clone()]) && need.is_none_or(|need| is_full(&need[words])) {
-            full_rows::<T, L>(work, target, first..first + group, &mut tally);
-        } else {
-            for y in first..first + group {
-                row::<T, L>(work, target, y, &mut tally);
+        let mut lit = [[0; MOST_WORDS]; MOST_TOGETHER];
+        let lit = &mut lit[..group];
+        for (y, lit) in (first..).zip(&mut *lit) {
+            *lit = reached(source.lit, n, z * n + y);
+            if let Some(need) = need {
+                lit.iter_mut().zip(&need[y * per_row..(y + 1) * per_row]).for_each(|(lit, need)| *lit &= need);
             }
+        }
+        // Where some rows stay dark the others are better off alone.
+        let is_dense = lit.iter().all(|lit| lit[..per_row].iter().any(|word| *word != 0));
+        let mut first = first;
+        for lit in lit.chunks_mut(if is_dense { group } else { 1 }) {
+            together::<T, L>(work, target, first, lit, &mut tally);
+            first += lit.len();
         }
     }
     tally
 }
 
-/// How many rows that are lit from end to end are computed as one stretch, with the gaps between them:
-/// so many that setting a stretch up costs little, and so few that all it touches stays in the first
-/// cache.
+/// How many rows are computed together: so many that setting their loops up costs little, and so few that
+/// all they touch stays in the first cache.
 #[inline(always)]
 fn rows_together<const L: usize>(layout: Layout) -> usize {
     const CELLS: usize = 512;
     let (n, row) = (layout.side(), layout.steps()[1]);
     let mut rows = 1;
-    while L > 1 && rows < n && (rows * row < CELLS || !(rows * row).is_multiple_of(L)) {
+    while L > 1 && rows < n.min(MOST_TOGETHER) && (rows * row < CELLS || !(rows * row).is_multiple_of(L)) {
         rows *= 2;
     }
     rows
 }
 
-/// Rows that are lit from end to end, as one stretch.
+/// Rows from `first` on, each with where it may be lit: every chunk of them in which one may be.
 #[inline(always)]
-fn full_rows<T: Real, const L: usize>(
+fn together<T: Real, const L: usize>(
     work: Work<'_, T>,
     target: &mut Target<'_, T>,
-    rows: Range<usize>,
+    first: usize,
+    lit: &mut [Row],
     tally: &mut Tally,
 ) {
-    let (n, step) = (work.layout.side(), work.layout.steps()[1]);
-    let start = rows.start * step;
-    compute::<T, L>(work, target, start, Run { start: 0, end: rows.len() * step });
-    for plane in target.planes.iter_mut().chain(target.sum.iter_mut().flatten()) {
-        clear_gaps(&mut plane[start..][..rows.len() * step], n, step);
+    let (layout, n) = (work.layout, work.layout.side());
+    let (per_row, rows) = (target.marks.len() / n, first..first + lit.len());
+    let (mut any, mut before): (Row, Row) = ([0; MOST_WORDS], [0; MOST_WORDS]);
+    for (y, lit) in rows.clone().zip(&*lit) {
+        any.iter_mut().zip(lit).for_each(|(any, lit)| *any |= lit);
+        before.iter_mut().zip(&target.lit[y * per_row..(y + 1) * per_row]).for_each(|(before, lit)| *before |= lit);
     }
-    for y in rows {
-        let (mut lit, mut lanes) = ([row_mask(n); MOST_WORDS], [T::ZERO; L]);
-        look::<T, L>(work, target, y, Run { start: 0, end: n }, (&mut lit, &mut lanes), tally);
-        finish(work, target, y, &lit, &lanes, tally);
+    clear_between::<T, L>(target, layout, rows.clone(), &any, &before);
+    for run in runs::<L>(&any, n) {
+        compute::<T, L>(work, target, rows.clone(), run);
     }
+    for (y, lit) in rows.zip(lit) {
+        let mut lanes = [T::ZERO; L];
+        for run in runs::<L>(&any, n) {
+            tally.visited += run.end - run.start;
+            if !holds_no_news(work, target, y, run) {
+                look::<T, L>(work, target, y, run, (lit, &mut lanes), tally);
+            }
+        }
+        if work.order.energy {
+            tally.energy += lanes.iter().map(|lane| lane.to_f64()).sum::<f64>();
+        }
+        target.lit[y * per_row..(y + 1) * per_row].copy_from_slice(&lit[..per_row]);
+    }
+}
+
+/// The runs of chunks with any bit in them.
+#[inline(always)]
+fn runs<const L: usize>(lit: &Row, n: usize) -> impl Iterator<Item = Run> {
+    let is_lit = move |x: &usize| chunk(lit[*x / 64], *x, L) != 0;
+    let mut from = 0;
+    std::iter::from_fn(move || {
+        let start = (from..n).step_by(L).find(is_lit)?;
+        let end = (start..n).step_by(L).find(|x| !is_lit(x)).unwrap_or(n);
+        from = end;
+        Some(Run { start, end })
+    })
+}
+
+/// Clears what an older iteration has left in chunks that this one will not write.
+#[inline(always)]
+fn clear_between<T: Real, const L: usize>(
+    target: &mut Target<'_, T>,
+    layout: Layout,
+    rows: Range<usize>,
+    lit: &Row,
+    before: &Row,
+) {
+    let is_left = |x: &usize| chunk(before[x / 64], *x, L) != 0 && chunk(lit[x / 64], *x, L) == 0;
+    for x in (0..layout.side()).step_by(L).filter(is_left) {
+        for start in rows.clone().map(|y| y * layout.steps()[1] + x) {
+            for plane in &mut target.planes {
+                plane[start..start + L].fill(T::ZERO);
+            }
+        }
+    }
+}
+
+/// Whether there is nothing to be found in a run: nothing is asked, all its cells are marked, and its ends
+/// are lit.
+#[inline(always)]
+fn holds_no_news<T: Real>(work: Work<'_, T>, target: &Target<'_, T>, y: usize, run: Run) -> bool {
+    let Work { order, layout, .. } = work;
+    let (n, start) = (layout.side(), y * layout.steps()[1]);
+    let (per_row, [c, ..]) = (target.marks.len() / n, &target.planes);
+    let is_whole = run.end - run.start == n;
+    let is_lit = !order.drop_dark || (c[start] != T::ZERO && c[start + n - 1] != T::ZERO);
+    let is_asked = order.energy || order.cone.is_some();
+    let marks = &target.marks[y * per_row..(y + 1) * per_row];
+    is_whole && !is_asked && is_lit && marks.iter().all(|word| *word == row_mask(n))
 }
 
 /// Makes the gaps between rows dark again: what a stretch of rows has written there is nobody's light.
@@ -178,27 +244,6 @@ fn clear_gaps<T: Real>(rows: &mut [T], n: usize, step: usize) {
     }
 }
 
-/// One row, run by run of what may be lit in it.
-#[inline(always)]
-fn row<T: Real, const L: usize>(work: Work<'_, T>, target: &mut Target<'_, T>, y: usize, tally: &mut Tally) {
-    let Work { layout, source, z, need, .. } = work;
-    let n = layout.side();
-    let per_row = target.marks.len() / n;
-    let words = y * per_row..(y + 1) * per_row;
-    let mut lit = reached(source.lit, n, z * n + y);
-    if let Some(need) = need {
-        lit.iter_mut().zip(&need[words.clone()]).for_each(|(lit, need)| *lit &= need);
-    }
-    let start = y * layout.steps()[1];
-    let (mut from, mut lanes) = (0, [T::ZERO; L]);
-    while let Some(run) = next_run::<T, L>(&lit, n, from, target, start, &words) {
-        from = run.end;
-        compute::<T, L>(work, target, start, run);
-        look::<T, L>(work, target, y, run, (&mut lit, &mut lanes), tally);
-    }
-    finish(work, target, y, &lit, &lanes, tally);
-}
-
 /// Looks at a run of row `y` that was just computed: marks its lit cells, and whatever else is asked for.
 #[inline(always)]
 fn look<T: Real, const L: usize>(
@@ -212,7 +257,6 @@ fn look<T: Real, const L: usize>(
     let n = layout.side();
     let (start, per_row) = (y * layout.steps()[1], target.marks.len() / n);
     let row = part(target.planes.each_ref().map(|plane| &**plane), start, start + n);
-    tally.visited += run.end - run.start;
     mark(row, run, lit, &mut target.marks[y * per_row..(y + 1) * per_row]);
     if order.energy {
         add_up(row[0], run, lanes);
@@ -225,62 +269,11 @@ fn look<T: Real, const L: usize>(
     }
 }
 
-/// Keeps what was found in row `y`.
-#[inline(always)]
-fn finish<T: Real, const L: usize>(
-    work: Work<'_, T>,
-    target: &mut Target<'_, T>,
-    y: usize,
-    lit: &Row,
-    lanes: &[T; L],
-    tally: &mut Tally,
-) {
-    if work.order.energy {
-        tally.energy += lanes.iter().map(|lane| lane.to_f64()).sum::<f64>();
-    }
-    let per_row = target.lit.len() / work.layout.side();
-    target.lit[y * per_row..(y + 1) * per_row].copy_from_slice(&lit[..per_row]);
-}
-
 /// Whether slab `z` and the slabs beside it have no bit, of so many `words` a slab.
 #[inline(always)]
 fn is_dark_around(lit: &[u64], words: usize, z: usize) -> bool {
     let around = &lit[z.saturating_sub(1) * words..lit.len().min((z + 2) * words)];
     around.iter().fold(0, |any, word| any | word) == 0
-}
-
-/// The next run of chunks from cell `from` on in which a cell may be lit. What an older iteration left in
-/// the chunks on the way there is cleared.
-#[inline(always)]
-fn next_run<T: Real, const L: usize>(
-    lit: &Row,
-    n: usize,
-    from: usize,
-    target: &mut Target<'_, T>,
-    row: usize,
-    words: &Range<usize>,
-) -> Option<Run> {
-    let per_row = words.len();
-    if from == 0 && lit[..per_row].iter().all(|word| *word == row_mask(n)) {
-        return Some(Run { start: 0, end: n });
-    }
-    if from == 0 && lit[..per_row].iter().chain(&target.lit[words.clone()]).all(|word| *word == 0) {
-        return None;
-    }
-    let mut start = from;
-    while start < n && chunk(lit[start / 64], start, L) == 0 {
-        if chunk(target.lit[words.start + start / 64], start, L) != 0 {
-            for plane in &mut target.planes {
-                plane[row + start..row + start + L].fill(T::ZERO);
-            }
-        }
-        start += L;
-    }
-    let mut end = start;
-    while end < n && chunk(lit[end / 64], end, L) != 0 {
-        end += L;
-    }
-    (start < n).then_some(Run { start, end })
 }
 
 /// The bits of the chunk of `lanes` cells that begins at cell `x`, out of its word.
@@ -289,21 +282,31 @@ fn chunk(word: u64, x: usize, lanes: usize) -> u64 {
     (word >> (x % 64)) & (u64::MAX >> (64 - lanes))
 }
 
-/// A run of cells, counted from a row that begins at `start` in the target.
+/// A run of cells in some rows.
 #[inline(always)]
-fn compute<T: Real, const L: usize>(work: Work<'_, T>, target: &mut Target<'_, T>, start: usize, run: Run) {
+fn compute<T: Real, const L: usize>(work: Work<'_, T>, target: &mut Target<'_, T>, rows: Range<usize>, run: Run) {
     let Work { order: Order { form, linear, instructions, .. }, layout, source, z, .. } = work;
-    let begin = start + run.start;
+    let [_, row_step, slab] = layout.steps();
+    let begin = rows.start * row_step + run.start;
+    // Rows without a dark chunk are one stretch, with the gaps between them.
+    let is_whole = rows.len() > 1 && run.end - run.start == layout.side();
+    let cells = if is_whole { rows.len() * row_step } else { run.end - run.start };
     let job = Job {
         form,
         linear: *linear,
         floor: T::of(FLOOR),
         steps: layout.steps(),
-        chunks: (run.end - run.start) / L,
+        stretches: if is_whole { 1 } else { rows.len() },
+        chunks: cells / L,
         planes: source.planes,
-        at: source.first + z * layout.steps()[2] + begin,
+        at: source.first + z * slab + begin,
         target: target.planes.each_mut().map(|plane| &mut plane[begin..]),
         sum: target.sum.as_mut().map(|sum| sum.each_mut().map(|plane| &mut plane[begin..])),
     };
     row::run::<T, L>(*instructions, job);
+    if is_whole {
+        for plane in target.planes.iter_mut().chain(target.sum.iter_mut().flatten()) {
+            clear_gaps(&mut plane[begin..begin + cells], layout.side(), row_step);
+        }
+    }
 }

@@ -13,7 +13,7 @@ use crate::propagate::active::everywhere;
 use crate::sh::Real;
 
 /// Fewer cells than these are not worth waking another thread: about a 32³ grid.
-const SERIAL_BELOW: usize = 40_000;
+const SERIAL_BELOW: usize = 20_000;
 
 /// Pieces of work a thread, so that one that was late does not keep the others waiting.
 const PIECES: usize = 4;
