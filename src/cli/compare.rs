@@ -7,7 +7,8 @@ use clap::builder::PossibleValuesParser;
 
 use super::output::Folder;
 use super::{CliError, SceneArgs};
-use crate::propagate::scheme;
+use crate::propagate;
+use crate::propagate::ordinates;
 use crate::report::table::{Table, Value};
 use crate::scene::Scene;
 use crate::simulation::known_scheme;
@@ -46,11 +47,13 @@ pub struct CompareArgs {
 /// Does the command.
 pub fn run(args: &CompareArgs) -> Result<(), CliError> {
     let names: Vec<&str> = match args.schemes.is_empty() {
-        true => scheme::names(),
+        true => propagate::names(),
         false => args.schemes.iter().map(String::as_str).collect(),
     };
     for name in &names {
-        known_scheme(name)?;
+        if *name != ordinates::NAME {
+            known_scheme(name)?;
+        }
     }
     let reference = Reference::ALL.into_iter().find(|r| r.name() == args.reference).unwrap_or_default();
     let folder = args.out.clone().map(Folder::create).transpose()?;

@@ -83,7 +83,14 @@ impl<T: Real> Simulation<T> {
 
     /// One iteration on every level.
     pub(super) fn propagate(&mut self) {
-        if self.is_fast() { self.fast(1, Wanted::Everything) } else { self.plainly() }
+        if let Some(mut radiance) = self.radiance.take() {
+            self.radiate(&mut radiance);
+            self.radiance = Some(radiance);
+        } else if self.is_fast() {
+            self.fast(1, Wanted::Everything)
+        } else {
+            self.plainly()
+        }
     }
 
     /// Whether the fast loops can do the next iteration and all after it.
@@ -92,6 +99,7 @@ impl<T: Real> Simulation<T> {
         self.options().kernel == Kernel::Fast
             && !counts_twice
             && self.occluders.is_none()
+            && self.radiance.is_none()
             && self.engine.forms.iter().all(Option::is_some)
     }
 
@@ -165,7 +173,7 @@ impl<T: Real> Simulation<T> {
         self.iteration += iterations;
     }
 
-    fn count(&mut self, work: Work) {
+    pub(super) fn count(&mut self, work: Work) {
         self.engine.work.visited += work.visited;
         self.engine.work.volume += work.volume;
     }

@@ -37,7 +37,7 @@ use crate::propagate::kernel::form::{Form, Share};
 use crate::propagate::stencil::Stencil;
 use crate::scene::occluder::OcclusionMode;
 use crate::scene::{Propagation, Scene};
-use crate::simulation::{SimulationError, known_scheme};
+use crate::simulation::{SimulationError, scheme_of};
 use halves::{Half, Shape};
 use head::Head;
 use lit::Lit;
@@ -52,6 +52,9 @@ pub enum Refusal {
     /// The setting itself cannot be run.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
+    /// Ordinates are no scheme.
+    #[error("ordinates give the sum of all iterations in one sweep; a fixed point is solved for under a scheme")]
+    Ordinates,
     /// Occluders are no part of the linear equation that is solved.
     #[error("the fixed point is solved for without occluders; iterate, or set occlusion to Off")]
     Occluders,
@@ -149,7 +152,7 @@ impl Solver {
 
     /// A solver for one propagation setting on an n³ grid; refuses clamps that never cease to act.
     pub fn new(propagation: &Propagation, n: usize) -> Result<Self, Refusal> {
-        let scheme = known_scheme(&propagation.scheme)?;
+        let scheme = scheme_of(propagation)?.ok_or(Refusal::Ordinates)?;
         let clamped = || Refusal::Clamped { scheme: propagation.scheme.clone() };
         let stencil = Stencil::<f32>::new(&scheme, propagation.factor, propagation.clamp);
         let form = Form::of(&stencil).ok_or_else(clamped)?;
@@ -228,7 +231,7 @@ mod tests {
     use crate::propagate::kernel::step::once;
     use crate::scene::{Occlusion, Source};
     use crate::sh::Sh;
-    use crate::simulation::Action;
+    use crate::simulation::{Action, known_scheme};
     use glam::DVec3;
 
     fn scene(size: usize, scheme: &str, factor: f64, clamp: bool) -> Scene {
@@ -320,6 +323,7 @@ mod tests {
         walled.blockers = vec![Blocker { cell: [1; 3], normal: DVec3::X, opacity: 1.0, albedo: [0.0; 3] }];
         assert_eq!(refused(&walled), Refusal::Occluders);
         assert!(matches!(refused(&scene(16, "cascaded", 4.3, true)), Refusal::Diverges { .. }));
+        assert_eq!(refused(&scene(8, "ordinates", 3.0, true)), Refusal::Ordinates);
         assert!(matches!(refused(&scene(16, "nonsense", 3.0, true)), Refusal::Simulation(_)));
         let stopped = solve(&scene(8, "cascaded", 3.0, true), 1e-4, |_| false);
         assert!(stopped.unwrap().is_none());

@@ -51,7 +51,7 @@ pub(super) struct Outcome {
 
 impl Start {
     pub(super) fn new(scene: &Scene) -> Result<Self, SimulationError> {
-        let scene = with(scene, &scene.propagation.scheme, "uniform", 0);
+        let scene = with(scene, scheme::names()[0], "uniform", 0);
         let blocks = scene.occlusion.mode != OcclusionMode::Off;
         let occluders = Transparency::new(scene.size, if blocks { &scene.blockers } else { &[] });
         Ok(Start { injected: reference::injected(&scene)?, occluders, scene })
