@@ -56,14 +56,14 @@ impl Ballistic {
         let blocks = scene.occlusion.mode != OcclusionMode::Off;
         let blockers: &[Blocker] = if blocks { &scene.blockers } else { &[] };
         let transparency = Transparency::new(scene.size, blockers);
-        let visibility = transparency.as_ref().map(Visibility);
+        let visibility = transparency.as_ref().map(|cells| Visibility::new(cells, scene.size));
         let channels = injected.lights().len();
         let mut light = Vec::new();
         for (channel, carried) in injected.lights().iter().enumerate() {
             let points: Vec<(Cell, Sh<f64>)> =
                 carried.source.level(0).iter().filter(|(_, light)| !light.is_zero()).collect();
             let part = |done: f64| progress((channel as f64 + done) / channels as f64);
-            let Some(grid) = arriving(&points, &extents, visibility, scene.size, &part) else {
+            let Some(grid) = arriving(&points, &extents, visibility.as_ref(), scene.size, &part) else {
                 return Ok(None);
             };
             light.push(grid);
@@ -96,7 +96,7 @@ fn extents(n: usize) -> Vec<Extent> {
 fn arriving(
     points: &[(Cell, Sh<f64>)],
     extents: &[Extent],
-    visibility: Option<Visibility<'_>>,
+    visibility: Option<&Visibility<'_>>,
     n: usize,
     progress: &(dyn Fn(f64) -> bool + Sync),
 ) -> Option<Grid<f32>> {
@@ -140,7 +140,7 @@ fn from_one(
     &(from, light): &(Cell, Sh<f64>),
     to: Cell,
     extents: &[Extent],
-    visibility: Option<Visibility<'_>>,
+    visibility: Option<&Visibility<'_>>,
     n: usize,
 ) -> Sh<f64> {
     let arrived = arrived_at(light, [0, 1, 2].map(|a| to[a] as isize - from[a] as isize), extents, n);
