@@ -7,8 +7,7 @@ use clap::builder::PossibleValuesParser;
 
 use super::output::Folder;
 use super::{CliError, SceneArgs};
-use crate::propagate;
-use crate::propagate::ordinates;
+use crate::propagate::{ordinates, scheme};
 use crate::report::table::{Table, Value};
 use crate::scene::Scene;
 use crate::simulation::known_scheme;
@@ -27,7 +26,7 @@ pub struct CompareArgs {
     /// The presets: files, or names of built-in ones
     #[arg(required = true, value_name = "PRESET")]
     presets: Vec<PathBuf>,
-    /// The schemes, separated by commas [default: all]
+    /// The schemes, separated by commas; `ordinates` may be one [default: all that `lpv-lab schemes` lists]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     schemes: Vec<String>,
     /// What errors are measured against
@@ -47,7 +46,7 @@ pub struct CompareArgs {
 /// Does the command.
 pub fn run(args: &CompareArgs) -> Result<(), CliError> {
     let names: Vec<&str> = match args.schemes.is_empty() {
-        true => propagate::names(),
+        true => scheme::names(),
         false => args.schemes.iter().map(String::as_str).collect(),
     };
     for name in &names {
