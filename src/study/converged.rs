@@ -45,6 +45,8 @@ use roots::Roots;
 
 /// Sweeps without getting near enough, after which the solver gives up.
 const MOST_SWEEPS: usize = 500;
+/// A relative residual from which no sweep comes back.
+const HOPELESS: f64 = 1e6;
 
 /// A scene whose fixed point is not found.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -68,11 +70,13 @@ pub enum Refusal {
     },
     /// The fixed point does not exist, or is too far.
     #[error(
-        "no fixed point was found: the relative residual is {residual:.1e} after {MOST_SWEEPS} sweeps; use a factor below {factor}"
+        "no fixed point was found: the relative residual is {residual:.1e} after {sweeps} sweeps; use a factor below {factor}"
     )]
     Diverges {
         /// What was reached.
         residual: f64,
+        /// After how many sweeps.
+        sweeps: usize,
         /// The factor asked for.
         factor: f64,
     },
@@ -201,8 +205,9 @@ impl Solver {
         lit = lit.grown();
         sweep::send(shape, share, 0, &lit, odd, b);
         b.add(next);
-        let mut residual = f64::INFINITY;
-        for sweeps in 1..=MOST_SWEEPS {
+        let (mut residual, mut sweeps) = (1.0, 0);
+        while residual < HOPELESS && sweeps < MOST_SWEEPS {
+            sweeps += 1;
             // The first zero is 0, and the sweep from the dark to b with it done.
             let from: &Half = if sweeps == 1 { b } else { x };
             let length = 1.0 / (1.0 - self.roots.get(sweeps));
@@ -220,7 +225,7 @@ impl Solver {
             lit.clone_from(stale);
             std::mem::swap(x, next);
         }
-        Err(Refusal::Diverges { residual, factor: self.factor })
+        Err(Refusal::Diverges { residual, sweeps, factor: self.factor })
     }
 }
 

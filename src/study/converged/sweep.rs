@@ -1,9 +1,9 @@
 //! What one half of a grid sends to the other, and a sweep: to the other half and back.
 
+use std::ops::Range;
+
 use multiversion::multiversion;
 use rayon::prelude::*;
-
-use std::ops::Range;
 
 use super::halves::{Half, Shape, parity};
 use super::lit::Lit;
