@@ -8,6 +8,7 @@ mod load;
 mod output;
 mod pareto;
 mod presets;
+mod race;
 mod run;
 mod schemes;
 mod stability;

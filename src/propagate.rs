@@ -16,3 +16,11 @@ pub mod reflective;
 pub mod scheme;
 pub mod stencil;
 pub mod transparency;
+
+/// The name of everything that a preset may call its scheme, the default first: the [schemes](scheme), then
+/// [`ordinates`].
+pub fn names() -> Vec<&'static str> {
+    let mut names = scheme::names();
+    names.push(ordinates::NAME);
+    names
+}

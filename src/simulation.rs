@@ -21,8 +21,10 @@ mod advance;
 mod ceiling;
 mod descent;
 mod engine;
+mod error;
 mod occlusion;
 pub mod options;
+mod radiance;
 
 use std::fmt;
 
@@ -32,17 +34,19 @@ pub use ceiling::{Divergence, limit};
 use crate::field::{Channels, Grid, IndexVolume, Levels, Marks, Octree, memory};
 use crate::propagate::kernel::occluded::{Occluders, Which};
 use crate::propagate::kernel::plain;
-use crate::propagate::levels::{self, Policy, TooLarge};
-use crate::propagate::scheme::{self, Scheme};
+use crate::propagate::levels::{self, Policy};
+use crate::propagate::scheme::Scheme;
 use crate::propagate::stencil::Stencil;
 use crate::scene::Scene;
-use crate::scene::error::nearest;
 use crate::scene::preset::{Propagation, Snapshots};
 use crate::sh::Real;
 
 use engine::Engine;
+use error::refuse_what_does_not_fit;
+pub use error::{SimulationError, known_scheme, scheme_of};
 use occlusion::Obstacles;
 use options::Options;
+use radiance::Radiance;
 
 /// What the stepper can be told to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,47 +94,6 @@ pub struct Change {
     pub newly_lit: usize,
 }
 
-/// A propagation setting that cannot be run.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SimulationError {
-    /// No scheme of that name.
-    #[error("unknown scheme \"{name}\"; {}known schemes: {known}", .nearest.map_or(String::new(), |n| format!("did you mean \"{n}\"? ")))]
-    UnknownScheme {
-        /// The name asked for.
-        name: String,
-        /// The name that it may be meant to be.
-        nearest: Option<&'static str>,
-        /// The names there are.
-        known: String,
-    },
-    /// A size or coarsest side that makes no octree.
-    #[error("size {size} with coarsest {coarsest} makes no octree; both must be powers of two, coarsest no larger")]
-    Sizes {
-        /// The side of the finest level.
-        size: usize,
-        /// The side of the coarsest level.
-        coarsest: usize,
-    },
-    /// A factor that is too large for the levels' policy.
-    #[error(transparent)]
-    TooLarge(#[from] TooLarge),
-    /// More light than the machine has memory for.
-    #[error(
-        "a volume of side {size} needs {} of memory and {} are free; the largest size that fits is {largest}",
-        memory::in_words(*needed), memory::in_words(*free)
-    )]
-    Memory {
-        /// The side of the finest level.
-        size: usize,
-        /// Bytes that its light takes.
-        needed: u64,
-        /// Bytes that the machine has left.
-        free: u64,
-        /// The largest side whose light fits.
-        largest: usize,
-    },
-}
-
 /// One channel of light in its three octrees.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light<T> {
@@ -161,6 +124,8 @@ pub struct Simulation<T> {
     iteration: usize,
     engine: Engine<T>,
     ceiling: Ceiling,
+    /// Where the scene wants ordinates; there are no stencils then.
+    radiance: Option<Radiance>,
     divergence: Option<Divergence>,
 }
 
@@ -174,11 +139,14 @@ impl<T: Real> Simulation<T> {
     pub fn with_options(scene: Scene, options: Options) -> Result<Self, SimulationError> {
         let sizes = Levels::new(scene.size, scene.coarsest)
             .ok_or(SimulationError::Sizes { size: scene.size, coarsest: scene.coarsest })?;
-        let scheme = known_scheme(&scene.propagation.scheme)?;
-        let (stencils, residences) = operators(&scheme, &scene.propagation, sizes)?;
+        let scheme = scheme_of(&scene.propagation)?;
+        let (stencils, residences) = operators(scheme.as_ref(), &scene.propagation, sizes)?;
         let channels = if options.skip.channels { occlusion::channels(&scene) } else { Channels::separate() };
-        refuse_what_does_not_fit::<T>(sizes, channels.count())?;
-        let obstacles = Obstacles::new(&scene, sizes, &scheme);
+        let under_way = |size: usize| Radiance::bytes(&scene.propagation, size, channels.count());
+        refuse_what_does_not_fit(sizes.finest(), |size| {
+            memory::of_simulation::<T>(sizes.with_finest(size), channels.count()) + under_way(size)
+        })?;
+        let obstacles = scheme.and_then(|scheme| Obstacles::new(&scene, sizes, &scheme));
         let accumulating = occlusion::accumulating(&scene, sizes);
         let ceiling = Ceiling::new(&stencils, scene.occlusion.bounce);
         let engine = Engine::new(&stencils, options);
@@ -187,6 +155,10 @@ impl<T: Real> Simulation<T> {
         let lights = (0..channels.count()).map(|_| light()).collect();
         let mut index = IndexVolume::new(sizes);
         occlusion::mark_shut(obstacles.as_ref(), &mut index);
+        let radiance = Radiance::new(&scene, &channels);
+        if radiance.is_some() {
+            Radiance::mark(&mut index);
+        }
         let divergence = None;
         Ok(Simulation {
             scene,
@@ -201,6 +173,7 @@ impl<T: Real> Simulation<T> {
             iteration: 0,
             engine,
             ceiling,
+            radiance,
             divergence,
         })
     }
@@ -242,14 +215,21 @@ impl<T: Real> Simulation<T> {
 
     /// Takes other settings for the iterations to come; the light stays as it is.
     pub fn set_propagation(&mut self, propagation: Propagation) -> Result<(), SimulationError> {
-        let scheme = known_scheme(&propagation.scheme)?;
-        (self.stencils, self.residences) = operators(&scheme, &propagation, self.sizes)?;
+        let scheme = scheme_of(&propagation)?;
+        if propagation.ordinates != self.scene.propagation.ordinates
+            || propagation.scheme != self.scene.propagation.scheme
+        {
+            let under_way = |size: usize| Radiance::bytes(&propagation, size, self.channels.count());
+            refuse_what_does_not_fit(self.sizes.finest(), under_way)?;
+        }
+        (self.stencils, self.residences) = operators(scheme.as_ref(), &propagation, self.sizes)?;
         self.engine.set_stencils(&self.stencils);
         if propagation.scheme != self.scene.propagation.scheme {
-            self.obstacles = Obstacles::new(&self.scene, self.sizes, &scheme);
+            self.obstacles = scheme.and_then(|scheme| Obstacles::new(&self.scene, self.sizes, &scheme));
         }
         self.ceiling = Ceiling::new(&self.stencils, self.scene.occlusion.bounce);
         self.scene.propagation = propagation;
+        self.set_radiance();
         Ok(())
     }
 
@@ -285,7 +265,7 @@ impl<T: Real> Simulation<T> {
                 self.downsample();
                 Change { source: true, accumulated: true, ..unchanged }
             }
-            Action::Propagate => match self.ceiling.admit(self.iteration + 1, &self.lights, &self.index) {
+            Action::Propagate => match self.admit() {
                 Ok(()) => {
                     self.propagate();
                     Change { source: true, target: true, accumulated: true, ..unchanged }
@@ -321,6 +301,15 @@ impl<T: Real> Simulation<T> {
         self.merge();
     }
 
+    /// Whether the light of the next iteration stays in range.
+    fn admit(&mut self) -> Result<(), Divergence> {
+        let next = self.iteration + 1;
+        match &mut self.radiance {
+            Some(radiance) => radiance.admit(next, &self.lights),
+            None => self.ceiling.admit(next, &self.lights, &self.index),
+        }
+    }
+
     /// Cells, over all levels, that have received light.
     fn lit(&self) -> usize {
         (0..self.sizes.count()).map(|i| self.index.level(i).count()).sum()
@@ -335,6 +324,10 @@ impl<T: Real> Simulation<T> {
         }
         self.index.clear();
         occlusion::mark_shut(self.obstacles.as_ref(), &mut self.index);
+        if let Some(radiance) = &mut self.radiance {
+            radiance.clear();
+            Radiance::mark(&mut self.index);
+        }
         self.iteration = 0;
     }
 
@@ -342,6 +335,9 @@ impl<T: Real> Simulation<T> {
     fn inject(&mut self) -> bool {
         let accumulate = self.scene.propagation.snapshots == Snapshots::Thesis;
         for source in &self.scene.sources {
+            if let Some(radiance) = &mut self.radiance {
+                radiance.inject(source, &self.channels);
+            }
             for (channel, light) in self.lights.iter_mut().enumerate() {
                 let weight = self.channels.weight(channel, source.color);
                 for (cell, value) in &source.light {
@@ -360,11 +356,12 @@ impl<T: Real> Simulation<T> {
     }
 
     fn downsample(&mut self) {
-        if self.scene.propagation.levels == Policy::Consistent {
+        let hands_down = self.scene.propagation.levels == Policy::Consistent && self.radiance.is_none();
+        if hands_down {
             self.hand_down();
         }
         for light in &mut self.lights {
-            if self.scene.propagation.levels == Policy::Same {
+            if !hands_down {
                 light.source.downsample();
                 light.accumulated.downsample();
             }
@@ -390,18 +387,6 @@ impl<T: Real> Simulation<T> {
     }
 }
 
-/// Refuses light that the machine has no memory for, before any of it is allocated.
-fn refuse_what_does_not_fit<T>(sizes: Levels, channels: usize) -> Result<(), SimulationError> {
-    let needed = |size: usize| memory::of_simulation::<T>(sizes.with_finest(size), channels);
-    let size = sizes.finest();
-    let Some(free) = memory::free().filter(|free| needed(size) > *free) else { return Ok(()) };
-    let mut largest = size;
-    while largest > 1 && needed(largest) > free {
-        largest /= 2;
-    }
-    Err(SimulationError::Memory { size, needed: needed(size), free, largest })
-}
-
 /// One iteration of one level. Where albedos have colours each channel is one; where not, any colour will do.
 fn step<T: Real>(
     occluders: Option<&Occluders<T>>,
@@ -419,22 +404,14 @@ fn step<T: Real>(
 /// The stencil of every level, and its residence.
 type Operators<T> = (Vec<Stencil<T>>, Vec<[f64; 2]>);
 
-/// The operators of a setting.
+/// The operators of a setting; ordinates have none.
 fn operators<T: Real>(
-    scheme: &Scheme,
+    scheme: Option<&Scheme>,
     propagation: &Propagation,
     sizes: Levels,
 ) -> Result<Operators<T>, SimulationError> {
+    let Some(scheme) = scheme else { return Ok((Vec::new(), Vec::new())) };
     let Propagation { factor, clamp, levels, .. } = *propagation;
     let operators = levels::operators(scheme, factor, clamp, levels, sizes.count())?;
     Ok(operators.into_iter().map(|operator| (operator.stencil, operator.residence)).unzip())
-}
-
-/// The scheme of that name, or an error that names those there are.
-pub fn known_scheme(name: &str) -> Result<Scheme, SimulationError> {
-    scheme::find(name).ok_or_else(|| SimulationError::UnknownScheme {
-        name: name.to_owned(),
-        nearest: nearest(name, &scheme::names()),
-        known: scheme::names().join(", "),
-    })
 }

@@ -4,7 +4,9 @@
 use std::path::{Path, PathBuf};
 
 use lpv_lab::propagate::levels::Policy;
-use lpv_lab::propagate::scheme;
+use lpv_lab::propagate::ordinates::directions::Lattice;
+use lpv_lab::propagate::ordinates::setting::{MOST_DIRECTIONS, Setting};
+use lpv_lab::propagate::ordinates::shares::Rule;
 use lpv_lab::scene::cell_file::Column;
 use lpv_lab::scene::injector::{Injector, InjectorKind, Side};
 use lpv_lab::scene::occluder::{Accumulate, Axis, BlockingSign, Occluder, OccluderKind, OcclusionMode};
@@ -83,15 +85,18 @@ fn occlusion() -> impl Strategy<Value = Occlusion> {
 
 fn propagation() -> impl Strategy<Value = Propagation> {
     let snapshots = select(&[Snapshots::Thesis, Snapshots::CopyFirst, Snapshots::WithoutInjected][..]);
-    let scheme = select(scheme::names()).prop_map(str::to_owned);
-    (scheme, 0.0..10.0, 0..1_000_000usize, snapshots, any::<bool>(), select(&Policy::ALL[..])).prop_map(
-        |(scheme, factor, iterations, snapshots, clamp, levels)| Propagation {
+    let scheme = select(lpv_lab::propagate::names()).prop_map(str::to_owned);
+    let ordinates = (1..=MOST_DIRECTIONS, select(&Rule::ALL[..]), select(&Lattice::ALL[..]))
+        .prop_map(|(directions, rule, lattice)| Setting { directions, rule, lattice });
+    (scheme, 0.0..10.0, 0..1_000_000usize, snapshots, any::<bool>(), select(&Policy::ALL[..]), ordinates).prop_map(
+        |(scheme, factor, iterations, snapshots, clamp, levels, ordinates)| Propagation {
             scheme,
             factor,
             iterations,
             snapshots,
             clamp,
             levels,
+            ordinates,
         },
     )
 }

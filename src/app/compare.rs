@@ -5,8 +5,8 @@ use egui::{ComboBox, DragValue, Ui};
 use super::controls::{self, name};
 use super::lab::Lab;
 use super::look::{Light, Pane, State};
+use crate::propagate;
 use crate::propagate::levels::Policy;
-use crate::propagate::scheme;
 use crate::scene::Propagation;
 
 /// The most propagators that are compared, the document's own among them.
@@ -67,7 +67,7 @@ impl Comparison {
     /// Adds a propagator: the next scheme that is not there yet.
     pub fn add(&mut self, own: &Propagation) {
         let used = |name: &str| own.scheme == name || self.others.iter().any(|other| other.scheme == name);
-        let next = scheme::names().into_iter().find(|name| !used(name)).unwrap_or(scheme::names()[0]);
+        let next = propagate::names().into_iter().find(|name| !used(name)).unwrap_or(propagate::names()[0]);
         self.others.push(Propagation { scheme: next.to_owned(), ..own.clone() });
     }
 }
@@ -123,7 +123,7 @@ pub fn propagators(lab: &mut Lab, ui: &mut Ui) {
                 ui.strong(format!("{}", letter(i + 1)));
                 let combo = ComboBox::from_id_salt("scheme").selected_text(&other.scheme).width(96.0);
                 let combo = combo.show_ui(ui, |ui| {
-                    for name in scheme::names() {
+                    for name in propagate::names() {
                         ui.selectable_value(&mut other.scheme, name.to_owned(), name);
                     }
                 });
@@ -179,7 +179,7 @@ mod tests {
     fn propagators_that_are_added_differ_while_they_can() {
         let own = Propagation::default();
         let mut compare = Comparison::default();
-        for (i, known) in scheme::names().into_iter().skip(1).enumerate() {
+        for (i, known) in propagate::names().into_iter().skip(1).enumerate() {
             compare.add(&own);
             assert_eq!(compare.others[i].scheme, known);
         }

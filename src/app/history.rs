@@ -123,7 +123,7 @@ pub fn bytes<T: Real>(simulation: &Simulation<T>) -> usize {
         let merged = light.merged.as_ref().map_or(0, |grid| grid.bytes());
         light.source.bytes() + light.target.bytes() + light.accumulated.bytes() + merged
     });
-    of_light.sum::<usize>() + simulation.index().bytes()
+    of_light.sum::<usize>() + simulation.bytes_under_way() + simulation.index().bytes()
 }
 
 #[cfg(test)]

@@ -1,5 +1,5 @@
-//! `bench`: how fast the loops are, as a table, `kernels.csv` and a plot; then time against error, by
-//! [`super::pareto`].
+//! `bench`: how fast the loops are, as a table, `kernels.csv` and a plot; then the solver against iterating, by
+//! [`super::race`], and time against error, by [`super::pareto`].
 
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -7,18 +7,20 @@ use std::path::PathBuf;
 use clap::Args;
 use indicatif::ProgressBar;
 
-use super::CliError;
 use super::output::Folder;
+use super::{CliError, SceneArgs};
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
 use crate::report::table::Table;
+use crate::scene::Scene;
 use crate::study::benchmark::{self, BenchmarkError, Fading, KernelRow, Pipeline, THESIS_MILLISECONDS};
-use crate::study::pareto::Plan;
+use crate::study::pareto::made;
 
 /// What to measure, and where to write.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  lpv-lab bench\n  lpv-lab bench --sizes 64,128,256 --threads 1,2 --rounds 7 --out results\n  lpv-lab bench --only-pareto --pareto 32 --factor 3.8\n\n\
+    after_help = "Examples:\n  lpv-lab bench\n  lpv-lab bench --sizes 64,128,256 --threads 1,2 --rounds 7 --out results\n  lpv-lab bench --only-pareto --pareto 32 --factor 3.8\n  \
+                        lpv-lab bench --only-pareto --presets two-walls,mixed,pillar\n  lpv-lab bench --only-converged\n\n\
                         kernel is aos (the usual array of structures), plain (the definition), fast, fast-clamped, blocked\n\
                         (several iterations a pass), or a scene: lobe (eight iterations, all levels) and walls-merged (sixteen,\n\
                         only the merged light wanted), with what was not skipped."
@@ -36,13 +38,22 @@ pub struct BenchArgs {
     /// Sides of the volumes for time against error, powers of two; 0 to leave it out
     #[arg(long, value_name = "N,N,...", value_delimiter = ',', default_values_t = [16, 32], value_parser = side_or_none)]
     pareto: Vec<usize>,
-    /// The propagation factor for time against error
-    #[arg(long, default_value_t = 3.0, value_parser = super::pareto::factor)]
-    factor: f64,
-    /// Leave the kernels out, and only measure time against error
-    #[arg(long)]
+    /// Presets for time against error, files or names of built-in ones, in place of the volumes
+    #[arg(long, value_name = "PRESET,...", value_delimiter = ',', conflicts_with = "pareto")]
+    presets: Vec<PathBuf>,
+    /// The propagation factor for time against error [default: 3, or the presets' own]
+    #[arg(long, value_parser = super::pareto::factor)]
+    factor: Option<f64>,
+    /// Sides of the volumes in which the fixed point is iterated to and solved for; 0 to leave it out
+    #[arg(long, value_name = "N,N,...", value_delimiter = ',', default_values_t = [32, 64], value_parser = side_or_none)]
+    converged: Vec<usize>,
+    /// Only measure time against error
+    #[arg(long, conflicts_with = "only_converged")]
     only_pareto: bool,
-    /// The folder for kernels.csv, pareto.csv and the plots
+    /// Only iterate to the fixed point and solve for it
+    #[arg(long)]
+    only_converged: bool,
+    /// The folder for kernels.csv, converged.csv, pareto.csv and the plots
     #[arg(long, value_name = "DIR", default_value = "lpv-lab-results/bench")]
     out: PathBuf,
 }
@@ -70,15 +81,38 @@ impl From<BenchmarkError> for CliError {
 /// Does the command.
 pub fn run(args: &BenchArgs) -> Result<(), CliError> {
     let folder = Folder::create(args.out.clone())?;
-    if !args.only_pareto {
+    let rounds = usize::from(args.rounds);
+    if !args.only_pareto && !args.only_converged {
         kernels(args, &folder)?;
     }
-    let sizes: Vec<usize> = args.pareto.iter().copied().filter(|size| *size > 0).collect();
-    if !sizes.is_empty() {
-        super::pareto::run(&Plan { sizes, factor: args.factor, rounds: usize::from(args.rounds) }, &folder)?;
+    let sizes = without_none(&args.converged);
+    if !args.only_pareto && !sizes.is_empty() {
+        super::race::run(sizes, rounds, &folder)?;
+    }
+    let scenes = if args.only_converged { Vec::new() } else { scenes(args)? };
+    if !scenes.is_empty() {
+        super::pareto::run(&scenes, rounds, &folder)?;
     }
     println!("\n{}", folder.path().display());
     Ok(())
+}
+
+fn without_none(sizes: &[usize]) -> Vec<usize> {
+    sizes.iter().copied().filter(|size| *size > 0).collect()
+}
+
+/// The scenes for time against error, with their names.
+fn scenes(args: &BenchArgs) -> Result<Vec<(String, Scene)>, CliError> {
+    if args.presets.is_empty() {
+        let sizes = without_none(&args.pareto).into_iter();
+        let made = sizes.flat_map(|size| made::scenes(size, args.factor.unwrap_or(3.0)));
+        return Ok(made.map(|(name, scene)| (name.to_owned(), scene)).collect());
+    }
+    let preset = |path: &PathBuf| {
+        let scene_args = SceneArgs { preset: path.clone(), factor: args.factor, ..SceneArgs::default() };
+        Ok((scene_args.stem(), scene_args.load()?.1))
+    };
+    args.presets.iter().map(preset).collect()
 }
 
 /// The loops by themselves.

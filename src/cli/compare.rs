@@ -7,7 +7,7 @@ use clap::builder::PossibleValuesParser;
 
 use super::output::Folder;
 use super::{CliError, SceneArgs};
-use crate::propagate::scheme;
+use crate::propagate::{ordinates, scheme};
 use crate::report::table::{Table, Value};
 use crate::scene::Scene;
 use crate::simulation::known_scheme;
@@ -26,7 +26,7 @@ pub struct CompareArgs {
     /// The presets: files, or names of built-in ones
     #[arg(required = true, value_name = "PRESET")]
     presets: Vec<PathBuf>,
-    /// The schemes, separated by commas [default: all]
+    /// The schemes, separated by commas; `ordinates` may be one [default: all that `lpv-lab schemes` lists]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     schemes: Vec<String>,
     /// What errors are measured against
@@ -50,7 +50,9 @@ pub fn run(args: &CompareArgs) -> Result<(), CliError> {
         false => args.schemes.iter().map(String::as_str).collect(),
     };
     for name in &names {
-        known_scheme(name)?;
+        if *name != ordinates::NAME {
+            known_scheme(name)?;
+        }
     }
     let reference = Reference::ALL.into_iter().find(|r| r.name() == args.reference).unwrap_or_default();
     let folder = args.out.clone().map(Folder::create).transpose()?;

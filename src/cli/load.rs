@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::CliError;
 use crate::propagate::levels::Policy;
+use crate::propagate::ordinates::shares::Rule;
 use crate::scene::preset::LONGEST;
 use crate::scene::{Preset, Scene, builtin, file};
 
@@ -17,7 +18,7 @@ pub struct SceneArgs {
     /// Propagation iterations, k
     #[arg(long, value_name = "K")]
     pub iterations: Option<usize>,
-    /// The propagation scheme; `lpv-lab schemes` lists them
+    /// The propagation scheme: one that `lpv-lab schemes` lists, or `ordinates`
     #[arg(long, value_name = "NAME")]
     pub scheme: Option<String>,
     /// The propagation factor, p
@@ -26,6 +27,12 @@ pub struct SceneArgs {
     /// How the operator follows from the octree level: same, one factor for all; consistent, levels that agree
     #[arg(long, value_name = "POLICY", value_parser = policy)]
     pub levels: Option<Policy>,
+    /// About how many directions the propagator `ordinates` has
+    #[arg(long, value_name = "N")]
+    pub directions: Option<usize>,
+    /// How ordinates share light among a cell's far faces: donor, all alike; faces, by the face it came in by
+    #[arg(long, value_name = "RULE", value_parser = rule)]
+    pub rule: Option<Rule>,
     /// The side of the coarsest octree level
     #[arg(long, value_name = "SIDE")]
     pub coarsest: Option<usize>,
@@ -51,6 +58,12 @@ impl SceneArgs {
         if let Some(levels) = self.levels {
             propagation.levels = levels;
         }
+        if let Some(directions) = self.directions {
+            propagation.ordinates.directions = directions;
+        }
+        if let Some(rule) = self.rule {
+            propagation.ordinates.rule = rule;
+        }
         if self.no_clamp {
             propagation.clamp = false;
         }
@@ -72,6 +85,11 @@ impl SceneArgs {
 fn policy(name: &str) -> Result<Policy, String> {
     let known = Policy::ALL.into_iter().find(|policy| policy.name() == name);
     known.ok_or_else(|| format!("levels are {}", Policy::ALL.map(Policy::name).join(" or ")))
+}
+
+fn rule(name: &str) -> Result<Rule, String> {
+    let known = Rule::ALL.into_iter().find(|rule| rule.name() == name);
+    known.ok_or_else(|| format!("a rule is {}", Rule::ALL.map(Rule::name).join(" or ")))
 }
 
 /// A preset that has been read.

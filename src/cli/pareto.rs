@@ -2,14 +2,15 @@
 
 use std::io::IsTerminal;
 
-use indicatif::ProgressBar;
+use indicatif::{ProgressBar, ProgressStyle};
 
 use super::CliError;
 use super::output::Folder;
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
 use crate::report::table::Table;
-use crate::study::pareto::{self, Plan, Row};
+use crate::scene::Scene;
+use crate::study::pareto::{self, Row};
 
 /// A propagation factor from the command line.
 pub fn factor(text: &str) -> Result<f64, String> {
@@ -17,36 +18,60 @@ pub fn factor(text: &str) -> Result<f64, String> {
     factor.ok_or_else(|| "a factor is a finite number, zero or more".to_owned())
 }
 
-/// Measures, prints what nothing beats, and writes the files.
-pub fn run(plan: &Plan, folder: &Folder) -> Result<(), CliError> {
-    let bar = if std::io::stderr().is_terminal() { ProgressBar::new_spinner() } else { ProgressBar::hidden() };
-    let rows = pareto::measure(plan, |now| {
-        bar.set_message(now.to_owned());
-        bar.tick();
-    })?;
-    bar.finish_and_clear();
+/// Measures every scene, prints what nothing beats, and writes the files.
+pub fn run(scenes: &[(String, Scene)], rounds: usize, folder: &Folder) -> Result<(), CliError> {
+    let terminal = std::io::stderr().is_terminal();
+    let mut rows = Vec::new();
+    for (i, (name, scene)) in scenes.iter().enumerate() {
+        let bar = if terminal { ProgressBar::new(1000) } else { ProgressBar::hidden() };
+        if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {percent} %") {
+            bar.set_style(style);
+        }
+        bar.set_message(format!("{name}, n = {} ({} of {})", scene.size, i + 1, scenes.len()));
+        let measured = pareto::measure(name, scene, rounds, &|share| {
+            bar.set_position((1000.0 * share) as u64);
+            true
+        })?;
+        rows.extend(measured.unwrap_or_default());
+        bar.finish_and_clear();
+    }
     let all: Vec<&Row> = rows.iter().collect();
     folder.write_table("pareto.csv", &table(&all))?;
-    for (preset, size, reference) in kinds(&rows) {
+    for kind in kinds(&rows) {
+        let Kind { preset, size, reference } = kind;
         println!("\nThe fastest way to each error, {preset}, n = {size}, against {reference}:");
-        print!("{}", table(&pareto::front(&of_kind(&rows, (preset, size, reference)))).to_text());
+        print!("{}", table(&pareto::front(&of_kind(&rows, kind))).to_text());
     }
-    let largest = plan.sizes.iter().copied().max().unwrap_or_default();
-    folder.write_svg_and_png("pareto", &figure(&rows, largest).to_svg())
+    folder.write_svg_and_png("pareto", &figure(&rows).to_svg())
 }
 
-/// What errors can be compared within: a scene, a size and a reference.
-type Kind = (&'static str, usize, &'static str);
+/// What errors can be compared within.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Kind<'a> {
+    preset: &'a str,
+    size: usize,
+    reference: &'a str,
+}
 
-fn kinds(rows: &[Row]) -> Vec<Kind> {
-    let mut kinds: Vec<Kind> = rows.iter().map(|row| (row.preset, row.size, row.reference)).collect();
-    kinds.sort_unstable();
-    kinds.dedup();
+impl<'a> Kind<'a> {
+    fn of(row: &'a Row) -> Self {
+        Kind { preset: &row.preset, size: row.size, reference: row.reference }
+    }
+}
+
+/// Every kind, in the order of the rows.
+fn kinds(rows: &[Row]) -> Vec<Kind<'_>> {
+    let mut kinds = Vec::new();
+    for kind in rows.iter().map(Kind::of) {
+        if !kinds.contains(&kind) {
+            kinds.push(kind);
+        }
+    }
     kinds
 }
 
-fn of_kind(rows: &[Row], kind: Kind) -> Vec<&Row> {
-    rows.iter().filter(|row| (row.preset, row.size, row.reference) == kind).collect()
+fn of_kind<'a>(rows: &'a [Row], kind: Kind<'_>) -> Vec<&'a Row> {
+    rows.iter().filter(|row| Kind::of(row) == kind).collect()
 }
 
 /// Rows as `pareto.csv` has them.
@@ -55,7 +80,7 @@ fn table(rows: &[&Row]) -> Table<9> {
         Table::new(["preset", "scheme", "levels", "size", "iterations", "seconds", "reference", "l1", "l1_best_fit"]);
     for row in rows {
         table.push([
-            row.preset.into(),
+            row.preset.as_str().into(),
             row.scheme.as_str().into(),
             row.levels.into(),
             row.size.into(),
@@ -69,10 +94,12 @@ fn table(rows: &[&Row]) -> Table<9> {
     table
 }
 
-/// Best-fit error over time at one size, a plot for each scene and reference: `cascaded` by each way, the
+/// Best-fit error over time, a plot for each scene (at its largest size) and reference: `cascaded` by each way, the
 /// ordinates, and what nothing beats.
-fn figure(rows: &[Row], size: usize) -> Figure {
-    let plots = kinds(rows).into_iter().filter(|kind| kind.1 == size).map(|kind @ (preset, _, reference)| {
+fn figure(rows: &[Row]) -> Figure {
+    let largest = |kind: &Kind<'_>| rows.iter().all(|row| row.preset != kind.preset || row.size <= kind.size);
+    let plots = kinds(rows).into_iter().filter(largest).map(|kind| {
+        let Kind { preset, size, reference } = kind;
         let rows = of_kind(rows, kind);
         let point = |row: &&Row| [(row.seconds * 1e3).log10(), row.l1.fitted];
         let ways = ["uniform", "same", "consistent", "converged"];

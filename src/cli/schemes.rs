@@ -11,7 +11,9 @@ use crate::study::stability;
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  lpv-lab schemes\n  lpv-lab schemes --long\n\n\
                         Gains: what an iteration at factor 1 multiplies the mean and the direction of a uniform field by.\n\
-                        Critical factors: above them light in an open volume of that size grows without bound.")]
+                        Critical factors: above them light in an open volume of that size grows without bound.\n\
+                        The propagator `ordinates` is no scheme of this kind: it keeps the direction of light, p = 4 keeps all of it, and\n\
+                        there is no critical factor.")]
 pub struct SchemesArgs {
     /// Tell also what each is, where it was published and what it gets wrong
     #[arg(long)]

@@ -10,7 +10,7 @@ use indicatif::ProgressBar;
 use super::output::Folder;
 use super::{CliError, SceneArgs};
 use crate::propagate::levels::Policy;
-use crate::propagate::scheme;
+use crate::propagate::{ordinates, scheme};
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
 use crate::report::table::{Table, Value};
@@ -133,6 +133,10 @@ fn save_findings(seed: u64, outcome: &Outcome, folder: &Path) -> Result<(), CliE
 
 /// What becomes of every level of a scene.
 fn print_outlook(scene: &Scene) {
+    if scene.propagation.scheme == ordinates::NAME {
+        println!("ordinates have no critical factor: light leaves the volume within {} iterations", 3 * scene.size - 2);
+        return;
+    }
     let mut table = Table::new(["level", "side", "critical factor", "growth an iteration", "overflow about iteration"]);
     for level in outlook::levels(scene) {
         let overflow = level.overflow.map_or("never".to_owned(), |k| k.to_string());

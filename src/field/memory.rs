@@ -6,10 +6,14 @@ use super::octree::Levels;
 /// Bytes of a simulation's light: for each channel the octrees source, target and accumulated and the
 /// merged grid, all in numbers of type `T`, and a bit a cell for the index volume.
 pub fn of_simulation<T>(sizes: Levels, channels: usize) -> u64 {
-    let numbers = |side: usize| 4 * Layout::new(side).plane_len() as u64;
-    let octree: u64 = sizes.sides().map(numbers).sum();
-    let light = (3 * octree + numbers(sizes.finest())) * size_of::<T>() as u64;
+    let octree: u64 = sizes.sides().map(of_grid::<T>).sum();
+    let light = 3 * octree + of_grid::<T>(sizes.finest());
     light * channels as u64 + sizes.cells() as u64 / 8
+}
+
+/// Bytes of one grid of side `n`, padding and all.
+pub fn of_grid<T>(n: usize) -> u64 {
+    4 * Layout::new(n).plane_len() as u64 * size_of::<T>() as u64
 }
 
 /// Bytes that can be taken before the machine runs out, as Linux estimates them; `None` where that is not

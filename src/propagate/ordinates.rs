@@ -18,6 +18,7 @@
 //! borders, the donor rule's more than the face rule's.
 
 pub mod directions;
+pub mod setting;
 pub mod shares;
 pub mod stepper;
 mod sweep;
@@ -28,7 +29,11 @@ use rayon::prelude::*;
 use super::transparency::Transparency;
 use crate::field::Grid;
 use directions::{Direction, Lattice};
+use setting::Setting;
 use shares::{Rule, Shares};
+
+/// The name by which presets and the command line call light that is propagated so.
+pub const NAME: &str = "ordinates";
 
 /// Directions computed side by side.
 const LANES: usize = 8;
@@ -75,6 +80,11 @@ impl Ordinates {
             })
             .collect();
         Ordinates { rule, count: set.len(), octants }
+    }
+
+    /// The directions of a setting.
+    pub fn of(setting: &Setting) -> Self {
+        Ordinates::new(setting.lattice, setting.directions, setting.rule)
     }
 
     /// How many directions there are, N.

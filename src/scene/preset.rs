@@ -7,7 +7,8 @@ use ron::extensions::Extensions;
 use ron::ser::PrettyConfig;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::propagate::scheme;
+use crate::propagate;
+use crate::propagate::ordinates::setting::{MOST_DIRECTIONS, Setting};
 
 use super::error::{Problem, SceneError, Step, nearest, quote};
 use super::injector::Injector;
@@ -58,9 +59,9 @@ pub struct Preset {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Propagation {
-    /// The propagator's name, as `lpv-lab schemes` lists it; `cascaded`.
+    /// The propagator's name, as `lpv-lab schemes` lists it, or `ordinates`; `cascaded`.
     pub scheme: String,
-    /// The propagation factor p, finite, ≥ 0; 3. With `cascaded` 4 keeps the energy (000, 3.2.3).
+    /// The propagation factor p, finite, ≥ 0; 3. With `cascaded` and `ordinates` 4 keeps the energy (000, 3.2.3).
     pub factor: f64,
     /// Iterations of a whole run, up to [`MOST_ITERATIONS`]; 16.
     pub iterations: usize,
@@ -70,6 +71,9 @@ pub struct Propagation {
     pub clamp: bool,
     /// How the operator follows from the level of the octree; `Same`.
     pub levels: Policy,
+    /// The directions of the propagator `ordinates`; the others have none.
+    #[serde(skip_serializing_if = "is_default")]
+    pub ordinates: Setting,
 }
 
 /// What the accumulated grid sums, and what the first iteration sends on.
@@ -108,6 +112,7 @@ impl Default for Propagation {
             snapshots: Snapshots::Thesis,
             clamp: true,
             levels: Policy::Same,
+            ordinates: Setting::default(),
         }
     }
 }
@@ -165,7 +170,7 @@ impl Preset {
 
 impl Propagation {
     fn check(&self) -> Result<(), Problem> {
-        let known = scheme::names();
+        let known = propagate::names();
         if !known.contains(&self.scheme.as_str()) {
             let what = format!("the scheme {} is not known", quote(&self.scheme));
             let remedy = match nearest(&self.scheme, &known) {
@@ -178,6 +183,14 @@ impl Propagation {
         if self.iterations > MOST_ITERATIONS {
             let what = format!("{} iterations are too many", self.iterations);
             return Err(Problem::new(what, format!("at most {MOST_ITERATIONS} are run")).field("iterations"));
+        }
+        let directions = self.ordinates.directions;
+        if !(1..=MOST_DIRECTIONS).contains(&directions) {
+            let problem = Problem::new(
+                format!("there cannot be {directions} directions"),
+                format!("from 1 to {MOST_DIRECTIONS}"),
+            );
+            return Err(problem.field("directions").within(Step::Field("ordinates")));
         }
         Ok(())
     }

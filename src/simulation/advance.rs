@@ -87,13 +87,23 @@ impl<T: Real> Simulation<T> {
 
     /// One iteration on every level.
     pub(super) fn propagate(&mut self) {
-        if self.is_fast() { self.fast(1, Wanted::Everything) } else { self.plainly() }
+        if let Some(mut radiance) = self.radiance.take() {
+            self.radiate(&mut radiance);
+            self.radiance = Some(radiance);
+        } else if self.is_fast() {
+            self.fast(1, Wanted::Everything)
+        } else {
+            self.plainly()
+        }
     }
 
     /// Whether the fast loops can do the next iteration and all after it.
     fn is_fast(&self) -> bool {
         let counts_twice = self.iteration == 0 && self.scene.propagation.snapshots == Snapshots::CopyFirst;
-        self.options().kernel == Kernel::Fast && !counts_twice && self.engine.forms.iter().all(Option::is_some)
+        self.options().kernel == Kernel::Fast
+            && !counts_twice
+            && self.radiance.is_none()
+            && self.engine.forms.iter().all(Option::is_some)
     }
 
     /// One iteration by the definition.
@@ -172,7 +182,7 @@ impl<T: Real> Simulation<T> {
         self.iteration += iterations;
     }
 
-    fn count(&mut self, work: Work) {
+    pub(super) fn count(&mut self, work: Work) {
         self.engine.work.visited += work.visited;
         self.engine.work.volume += work.volume;
     }

@@ -14,6 +14,8 @@
 //! for renderers scale by taste. In every cell but the source's own the flux is the exact one
 //! ([`solid_angle`]); a cell that s sees both sides of an edge of is given the light of its centre's direction.
 
+mod fit;
+mod pattern;
 pub mod solid_angle;
 pub mod visibility;
 
@@ -31,6 +33,7 @@ use crate::scene::occluder::OcclusionMode;
 use crate::scene::{Occlusion, Scene, Source};
 use crate::sh::{Real, Sh};
 use crate::simulation::{Simulation, SimulationError};
+pub use fit::{BestFit, l1};
 use solid_angle::Extent;
 use visibility::Visibility;
 
@@ -53,14 +56,14 @@ impl Ballistic {
         let blocks = scene.occlusion.mode != OcclusionMode::Off;
         let blockers: &[Blocker] = if blocks { &scene.blockers } else { &[] };
         let transparency = Transparency::new(scene.size, blockers);
-        let visibility = transparency.as_ref().map(Visibility);
+        let visibility = transparency.as_ref().map(|cells| Visibility::new(cells, scene.size));
         let channels = injected.lights().len();
         let mut light = Vec::new();
         for (channel, carried) in injected.lights().iter().enumerate() {
             let points: Vec<(Cell, Sh<f64>)> =
                 carried.source.level(0).iter().filter(|(_, light)| !light.is_zero()).collect();
             let part = |done: f64| progress((channel as f64 + done) / channels as f64);
-            let Some(grid) = arriving(&points, &extents, visibility, scene.size, &part) else {
+            let Some(grid) = arriving(&points, &extents, visibility.as_ref(), scene.size, &part) else {
                 return Ok(None);
             };
             light.push(grid);
@@ -93,20 +96,26 @@ fn extents(n: usize) -> Vec<Extent> {
 fn arriving(
     points: &[(Cell, Sh<f64>)],
     extents: &[Extent],
-    visibility: Option<Visibility<'_>>,
+    visibility: Option<&Visibility<'_>>,
     n: usize,
     progress: &(dyn Fn(f64) -> bool + Sync),
 ) -> Option<Grid<f32>> {
     let (done, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let patterns = if visibility.is_none() { pattern::of_equals(points, extents, n) } else { Vec::new() };
     let rows: Vec<Vec<Sh<f64>>> = (0..n * n)
         .into_par_iter()
         .map(|row| {
             if stopped.load(Ordering::Relaxed) {
                 return Vec::new();
             }
-            let arriving_at =
-                |cell: Cell| points.iter().map(|point| from_one(point, cell, extents, visibility, n)).sum();
-            let light = (0..n).map(|x| arriving_at([x, row % n, row / n])).collect();
+            let (y, z) = (row % n, row / n);
+            let mut light = vec![Sh::ZERO; n];
+            if patterns.is_empty() {
+                for (x, light) in light.iter_mut().enumerate() {
+                    *light = points.iter().map(|point| from_one(point, [x, y, z], extents, visibility, n)).sum();
+                }
+            }
+            patterns.iter().for_each(|pattern| pattern.add_row(y, z, &mut light));
             let share = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / (n * n) as f64;
             if !progress(share) {
                 stopped.store(true, Ordering::Relaxed);
@@ -131,22 +140,27 @@ fn from_one(
     &(from, light): &(Cell, Sh<f64>),
     to: Cell,
     extents: &[Extent],
-    visibility: Option<Visibility<'_>>,
+    visibility: Option<&Visibility<'_>>,
     n: usize,
 ) -> Sh<f64> {
-    if from == to {
+    let arrived = arrived_at(light, [0, 1, 2].map(|a| to[a] as isize - from[a] as isize), extents, n);
+    match visibility {
+        Some(visibility) if !arrived.is_zero() => arrived * visibility.between(from, to),
+        _ => arrived,
+    }
+}
+
+/// Φ·Y(u) of a point light at the cell that is `offset` away, up to n − 1 on each axis, if nothing is in between.
+fn arrived_at(light: Sh<f64>, offset: [isize; 3], extents: &[Extent], n: usize) -> Sh<f64> {
+    if offset == [0; 3] {
         return Sh::ZERO;
     }
-    let [x, y, z]: [usize; 3] = std::array::from_fn(|a| from[a].abs_diff(to[a]));
-    let offset = DVec3::from_array(std::array::from_fn(|a| to[a] as f64 - from[a] as f64));
+    let [x, y, z] = offset.map(isize::unsigned_abs);
+    let offset = DVec3::from_array(offset.map(|c| c as f64));
     let mirrored = extents[(z * n + y) * n + x];
     let vector = mirrored.vector * offset.signum();
     let flux = solid_angle::flux(light, offset, &Extent { vector, ..mirrored });
-    if flux <= 0.0 {
-        return Sh::ZERO;
-    }
-    let seen = visibility.map_or(1.0, |visibility| visibility.between(from, to));
-    Sh::basis(offset.normalize()) * (flux * seen)
+    if flux <= 0.0 { Sh::ZERO } else { Sh::basis(offset.normalize()) * flux }
 }
 
 /// The ballistic metric on the merged light that has moved, S_A − S_0, with the injected light taken off in
@@ -172,66 +186,4 @@ pub fn moved<T: Real>(simulation: &Simulation<T>) -> Result<Vec<Grid<T>>, Simula
         }
     }
     Ok(merged)
-}
-
-/// Σ‖O − R‖∞ / Σ‖R‖∞ over all cells, as it is and with O multiplied by the number that makes it least; both
-/// are 0 where all is dark. `scales` says how much each channel's norm counts.
-pub fn l1<T: Real>(scales: &[f64], moved: &[Grid<T>], truth: &[Grid<T>]) -> BestFit {
-    let expected = total(scales, moved, truth, [0.0, 1.0]);
-    let found = total(scales, moved, truth, [1.0, 0.0]);
-    let difference = |scale: f64| {
-        let sum = total(scales, moved, truth, [scale, 1.0]);
-        if sum == 0.0 { 0.0 } else { sum / expected }
-    };
-    // The difference is convex in the scale. Its least value is no further off than twice the ratio of the sums.
-    let (mut low, mut high) = (0.0, if found > 0.0 { 2.0 * expected / found } else { 0.0 });
-    for _ in 0..40 {
-        let third = (high - low) / 3.0;
-        if difference(low + third) < difference(high - third) { high -= third } else { low += third }
-    }
-    let (raw, scale) = (difference(1.0), 0.5 * (low + high));
-    let fitted = difference(scale);
-    // The search ends a little beside the best; where that is 1 there is nothing to gain.
-    if fitted < raw { BestFit { raw, fitted, scale } } else { BestFit { raw, fitted: raw, scale: 1.0 } }
-}
-
-/// Σ‖u·O − v·R‖∞ over all cells, the norm over all channels.
-fn total<T: Real>(scales: &[f64], moved: &[Grid<T>], truth: &[Grid<T>], [u, v]: [f64; 2]) -> f64 {
-    let n = moved.first().map_or(0, Grid::side);
-    let norm = |cell: Cell| {
-        let channels = moved.iter().zip(truth).zip(scales);
-        let each =
-            channels.map(|((o, r), scale)| scale * (o.get(cell).widen() * u - r.get(cell).widen() * v).max_norm());
-        each.fold(0.0, f64::max)
-    };
-    let slab = |z: usize| -> f64 { (0..n * n).map(|i| norm([i % n, i / n, z])).sum() };
-    // Slabs are summed in their order, so that the sum is the same however many cores there are.
-    (0..n).into_par_iter().map(slab).collect::<Vec<f64>>().iter().sum()
-}
-
-/// An error before and after the best scalar.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BestFit {
-    /// With the light as it is.
-    pub raw: f64,
-    /// With the light multiplied by `scale`.
-    pub fitted: f64,
-    /// The scalar that fits best.
-    pub scale: f64,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_best_scalar_brings_a_multiple_of_the_truth_to_no_error() {
-        let mut truth = Grid::<f64>::new(2);
-        truth.set([1, 0, 0], Sh([2.0, 0.0, 1.0, 0.0]));
-        truth.set([0, 1, 1], Sh([0.5, 0.2, 0.0, 0.0]));
-        let mut moved = truth.clone();
-        moved.scale(0.25);
-        let fit = l1(&[1.0, 0.5], &[moved, Grid::new(2)], &[truth, Grid::new(2)]);
-        assert!((fit.raw - 0.75).abs() < 1e-12 && fit.fitted < 1e-6 && (fit.scale - 4.0).abs() < 1e-5, "{fit:?}");
-    }
 }

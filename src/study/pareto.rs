@@ -1,6 +1,6 @@
 //! Time against error: every way to get at the light of a scene, how long it takes and how far off it is.
 //!
-//! Scenes are made at any size: a wall, two walls that face each other, a lobe. The ways are each scheme with
+//! The scene may be any; those of `bench` are made at any size ([`made`]). The ways are each scheme with
 //! each policy for its levels after 1, 2, 4 … iterations, its fixed point, and discrete ordinates. Errors
 //! are L1 ratios of the merged light against two references:
 //!
@@ -11,58 +11,41 @@
 //! Times are medians over rounds in which all ways take turns. They hold all that is computed between the
 //! injected and the merged light, but not the making of the grids.
 
-use std::time::Instant;
-
-use glam::DVec3;
+pub mod made;
+mod way;
 
 use super::ballistic::{self, Ballistic, BestFit};
 use super::converged;
+use super::error::channel_scales;
 use super::reference;
-use crate::field::{Grid, Layout};
-use crate::propagate::levels::Policy;
-use crate::propagate::ordinates::Ordinates;
-use crate::propagate::ordinates::directions::Lattice;
-use crate::propagate::ordinates::shares::Rule;
+use crate::field::Grid;
 use crate::propagate::scheme;
-use crate::scene::{Occlusion, Propagation, Scene, Source};
-use crate::sh::Sh;
+use crate::scene::Scene;
 use crate::simulation::options::Wanted;
-use crate::simulation::{Light, Simulation, SimulationError};
+use crate::simulation::{Light, SimulationError};
+use way::{Outcome, Start};
 
-/// Iterations after which a scheme is looked at.
-const ITERATIONS: [usize; 6] = [1, 2, 4, 8, 16, 32];
-/// Iterations that stand for the fixed point where none is solved for.
+/// Iterations that stand for the fixed point where none is solved for; fewer where light has died out.
 const FOR_EVER: usize = 400;
-/// Relative residuals to which fixed points are solved for.
-const TOLERANCES: [f64; 2] = [1e-2, 1e-4];
+/// Iterations after which that is looked at.
+const LOOK_AFTER: usize = 20;
+/// Light of the newest snapshot over all light, under which it has died out.
+const DIED_OUT: f64 = 1e-6;
 /// The relative residual of the reference.
 const REFERENCE_TOLERANCE: f64 = 1e-5;
-/// Sets of directions: about so many.
-const DIRECTIONS: [usize; 5] = [24, 48, 72, 128, 192];
-
-/// What to measure.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
-    /// Sides of the volumes, powers of two.
-    pub sizes: Vec<usize>,
-    /// The propagation factor of every scheme.
-    pub factor: f64,
-    /// Rounds over all ways; medians are reported.
-    pub rounds: usize,
-}
 
 /// One way on one scene against one reference, as `pareto.csv` has it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// The scene: one-wall, two-walls or one-lobe.
-    pub preset: &'static str,
+    /// The scene.
+    pub preset: String,
     /// The scheme, or ordinates with their lattice, rule and number of directions.
     pub scheme: String,
     /// uniform, same, consistent or converged.
     pub levels: &'static str,
     /// The side of the volume.
     pub size: usize,
-    /// Iterations; cycles of the solver; 1 for the one sweep of ordinates.
+    /// Iterations; sweeps of the solver; 1 for the one sweep of ordinates.
     pub iterations: usize,
     /// From injection to merged light.
     pub seconds: f64,
@@ -70,36 +53,6 @@ pub struct Row {
     pub reference: &'static str,
     /// The error as it is, and after the scalar that fits best.
     pub l1: BestFit,
-}
-
-/// The light of a way, and where it came from.
-struct Outcome {
-    /// Everything, for the uniform reference; `None` where there is no such volume.
-    all: Option<Vec<Grid<f32>>>,
-    /// What has moved, for the ballistic one.
-    moved: Vec<Grid<f32>>,
-    iterations: usize,
-    seconds: f64,
-}
-
-/// A way to get at the light.
-enum Way {
-    Iterate { scheme: &'static str, levels: &'static str, iterations: usize },
-    Solve { scheme: &'static str, tolerance: f64 },
-    Ordinates(Lattice, Ordinates),
-}
-
-/// Measures every way; `watch` hears what is measured.
-pub fn measure(plan: &Plan, mut watch: impl FnMut(&str)) -> Result<Vec<Row>, SimulationError> {
-    let mut rows = Vec::new();
-    for &size in &plan.sizes {
-        for (preset, sources) in scenes(size) {
-            watch(&format!("{preset}, n = {size}"));
-            let scene = scene(size, sources, plan.factor);
-            rows.extend(measure_scene(preset, &scene, plan.rounds)?);
-        }
-    }
-    Ok(rows)
 }
 
 /// Of the ways on one scene and size against one reference those that no other beats in both time and error
@@ -116,37 +69,58 @@ pub fn front<'a>(rows: &[&'a Row]) -> Vec<&'a Row> {
     sorted
 }
 
-fn measure_scene(preset: &'static str, scene: &Scene, rounds: usize) -> Result<Vec<Row>, SimulationError> {
-    let Some(truth) = Ballistic::new(scene, &|_| true)? else {
-        return Ok(Vec::new());
+/// Measures every way on a scene, called `name` in the rows, at the scene's own factor; medians of `rounds`
+/// are reported. `progress` hears of the share done, 0 to 1, from any thread, and returns whether to go on;
+/// `None` if it did not want to. Ways that refuse the scene are left out.
+pub fn measure(
+    name: &str,
+    scene: &Scene,
+    rounds: usize,
+    progress: &(dyn Fn(f64) -> bool + Sync),
+) -> Result<Option<Vec<Row>>, SimulationError> {
+    let mut ways = way::all();
+    let steps = (REFERENCE_STEPS + scheme::names().len() + ways.len() * (1 + rounds)) as f64;
+    let part = |done: f64| progress(done * REFERENCE_STEPS as f64 / steps);
+    let Some(truth) = Ballistic::new(scene, &part)? else { return Ok(None) };
+    let mut done = REFERENCE_STEPS;
+    let mut go_on = || {
+        done += 1;
+        progress(done as f64 / steps)
     };
+    let start = Start::new(scene)?;
     let mut fixed_points = Vec::new();
     for name in scheme::names() {
-        fixed_points.push((name, fixed_point(&with(scene, name, "uniform", FOR_EVER))?));
-    }
-    let mut ways = ways();
-    let mut outcomes = Vec::new();
-    // Ways that a scheme refuses are left out.
-    ways.retain(|way| match way.go(scene) {
-        Ok(outcome) => {
-            outcomes.push(outcome);
-            true
+        fixed_points.push((name, fixed_point(&way::with(scene, name, "uniform", FOR_EVER))?));
+        if !go_on() {
+            return Ok(None);
         }
-        Err(_) => false,
-    });
+    }
+    let mut outcomes: Vec<Option<Outcome>> = Vec::new();
+    for way in &ways {
+        outcomes.push(way.go(&start).ok());
+        if !go_on() {
+            return Ok(None);
+        }
+    }
+    let mut kept = outcomes.iter().map(Option::is_some);
+    ways.retain(|_| kept.next().unwrap_or_default());
+    let outcomes: Vec<Outcome> = outcomes.into_iter().flatten().collect();
     let mut times = vec![Vec::new(); ways.len()];
     for _ in 0..rounds {
         for (way, times) in ways.iter().zip(&mut times) {
-            times.extend(way.go(scene).map(|outcome| outcome.seconds));
+            times.extend(way.go(&start).map(|outcome| outcome.seconds));
+            if !go_on() {
+                return Ok(None);
+            }
         }
     }
-    let scales = vec![1.0; truth.light().len()];
+    let scales = channel_scales(&start.injected);
     let mut rows = Vec::new();
     for ((way, outcome), mut times) in ways.iter().zip(&outcomes).zip(times) {
         times.sort_by(f64::total_cmp);
         let seconds = times.get(times.len() / 2).copied().unwrap_or_default();
         let row = |reference, l1| Row {
-            preset,
+            preset: name.to_owned(),
             scheme: way.scheme(),
             levels: way.levels(),
             size: scene.size,
@@ -161,158 +135,72 @@ fn measure_scene(preset: &'static str, scene: &Scene, rounds: usize) -> Result<V
         }
         rows.push(row("ballistic", ballistic::l1(&scales, &outcome.moved, truth.light())));
     }
-    Ok(rows)
+    Ok(Some(rows))
 }
 
-fn ways() -> Vec<Way> {
-    let mut ways = Vec::new();
-    for scheme in scheme::names() {
-        for levels in ["uniform", Policy::Same.name(), Policy::Consistent.name()] {
-            ways.extend(ITERATIONS.map(|iterations| Way::Iterate { scheme, levels, iterations }));
-        }
-        ways.extend(TOLERANCES.map(|tolerance| Way::Solve { scheme, tolerance }));
-    }
-    for lattice in Lattice::ALL {
-        for rule in Rule::ALL {
-            ways.extend(DIRECTIONS.map(|count| Way::Ordinates(lattice, Ordinates::new(lattice, count, rule))));
-        }
-    }
-    ways
-}
-
-impl Way {
-    fn scheme(&self) -> String {
-        match self {
-            Way::Iterate { scheme, .. } | Way::Solve { scheme, .. } => (*scheme).to_owned(),
-            Way::Ordinates(lattice, ordinates) => {
-                format!("ordinates-{}-{}-{}", lattice.name(), ordinates.rule().name(), ordinates.count())
-            }
-        }
-    }
-
-    fn levels(&self) -> &'static str {
-        match self {
-            Way::Iterate { levels, .. } => levels,
-            Way::Solve { .. } => "converged",
-            Way::Ordinates(..) => "uniform",
-        }
-    }
-
-    /// From the scene to its light.
-    fn go(&self, scene: &Scene) -> Result<Outcome, converged::Refusal> {
-        match self {
-            Way::Iterate { scheme, levels, iterations } => {
-                let mut simulation = Simulation::<f32>::new(with(scene, scheme, levels, *iterations))?;
-                let started = Instant::now();
-                simulation.run_all(Wanted::Merged);
-                let seconds = started.elapsed().as_secs_f64();
-                let merged = simulation.lights().iter().filter_map(|light| light.merged.clone());
-                Ok(Outcome::new(scene, merged.collect(), *iterations, seconds))
-            }
-            Way::Solve { scheme, tolerance } => {
-                let scene = with(scene, scheme, "uniform", 0);
-                let started = Instant::now();
-                let found = converged::solve(&scene, *tolerance, |_| true)?;
-                let seconds = started.elapsed().as_secs_f64();
-                let (light, cycles) = found.map_or((Vec::new(), 0), |found| (found.light, found.cycles));
-                Ok(Outcome::new(&scene, light, cycles, seconds))
-            }
-            Way::Ordinates(_, ordinates) => {
-                let injected = reference::injected::<f32>(scene)?;
-                let solve = |light: &Light<f32>| ordinates.solve(light.source.level(0), None);
-                let started = Instant::now();
-                let moved = injected.lights().iter().map(solve).collect();
-                Ok(Outcome { all: None, moved, iterations: 1, seconds: started.elapsed().as_secs_f64() })
-            }
-        }
-    }
-}
-
-impl Outcome {
-    /// Of all light, what has moved is without the injected one.
-    fn new(scene: &Scene, all: Vec<Grid<f32>>, iterations: usize, seconds: f64) -> Self {
-        let mut moved = all.clone();
-        for (cell, light) in scene.sources.iter().flat_map(|source| &source.light) {
-            moved.iter_mut().for_each(|grid| grid.set(*cell, grid.get(*cell) - light.cast()));
-        }
-        Outcome { all: Some(all), moved, iterations, seconds }
-    }
-}
+/// How many runs of a way the ballistic reference counts as in what is told of progress.
+const REFERENCE_STEPS: usize = 100;
 
 /// The fixed point of the uniform volume, solved for or iterated.
 fn fixed_point(scene: &Scene) -> Result<Vec<Grid<f32>>, SimulationError> {
     if let Ok(Some(found)) = converged::solve(scene, REFERENCE_TOLERANCE, |_| true) {
         return Ok(found.light);
     }
-    let mut simulation = Simulation::<f32>::new(scene.clone())?;
-    simulation.run_all(Wanted::Everything);
-    Ok(reference::uniform(&simulation))
-}
-
-/// The scene under a scheme: `levels` is uniform for a single level, or a policy's name.
-fn with(scene: &Scene, scheme: &str, levels: &str, iterations: usize) -> Scene {
-    let policy = Policy::ALL.into_iter().find(|policy| policy.name() == levels);
-    let propagation = Propagation {
-        scheme: scheme.to_owned(),
-        iterations,
-        levels: policy.unwrap_or_default(),
-        ..scene.propagation.clone()
-    };
-    let coarsest = if policy.is_some() { 1 } else { scene.size };
-    Scene { coarsest, propagation, ..scene.clone() }
-}
-
-fn scene(size: usize, sources: Vec<Source>, factor: f64) -> Scene {
-    Scene {
-        size,
-        coarsest: 1,
-        sources,
-        blockers: Vec::new(),
-        occlusion: Occlusion::default(),
-        propagation: Propagation { factor, ..Propagation::default() },
+    let mut simulation = reference::injected::<f32>(scene)?;
+    let energy = |of: &Grid<f32>| of.energy().abs();
+    while simulation.iteration() < scene.propagation.iterations && simulation.divergence().is_none() {
+        simulation.advance(LOOK_AFTER, Wanted::Everything);
+        let died_out =
+            |light: &Light<f32>| energy(light.source.level(0)) <= DIED_OUT * energy(light.accumulated.level(0));
+        if simulation.lights().iter().all(died_out) {
+            break;
+        }
     }
-}
-
-/// White light on one channel.
-fn scenes(n: usize) -> [(&'static str, Vec<Source>); 3] {
-    let wall = |x: usize, way: DVec3| {
-        let cells = Layout::new(n).cells().filter(move |cell| cell[0] == x);
-        Source { color: [1.0; 3], light: cells.map(|cell| (cell, Sh::lobe(way))).collect() }
-    };
-    let lobe = Source { color: [1.0; 3], light: vec![([n / 2; 3], Sh::lobe(DVec3::X))] };
-    [
-        ("one-wall", vec![wall(0, DVec3::X)]),
-        ("two-walls", vec![wall(0, DVec3::X), wall(n - 1, DVec3::NEG_X)]),
-        ("one-lobe", vec![lobe]),
-    ]
+    Ok(reference::uniform(&simulation))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Blocker;
+    use crate::scene::occluder::OcclusionMode;
+    use glam::DVec3;
 
     #[test]
     fn every_way_is_measured_against_what_it_can_be_and_errors_fall() {
-        let plan = Plan { sizes: vec![8], factor: 3.0, rounds: 1 };
-        let rows = measure(&plan, |_| {}).unwrap();
+        let [(name, scene), ..] = made::scenes(8, 3.0);
+        let rows = measure(name, &scene, 1, &|_| true).unwrap().unwrap();
         let of = |scheme: &str, levels: &str, reference: &str| -> Vec<&Row> {
             let rows = rows.iter().filter(|row| row.preset == "one-wall" && row.scheme == scheme);
             rows.filter(|row| row.levels == levels && row.reference == reference).collect()
         };
         let uniform = of("cascaded", "uniform", "uniform");
-        assert_eq!(uniform.iter().map(|row| row.iterations).collect::<Vec<_>>(), ITERATIONS);
+        assert_eq!(uniform.iter().map(|row| row.iterations).collect::<Vec<_>>(), way::ITERATIONS);
         assert!(uniform.windows(2).all(|pair| pair[1].l1.raw < pair[0].l1.raw));
         assert!(uniform[5].l1.raw < 1e-3);
-        assert_eq!(of("cascaded", "consistent", "ballistic").len(), ITERATIONS.len());
+        assert_eq!(of("cascaded", "consistent", "ballistic").len(), way::ITERATIONS.len());
         assert!(of("cascaded", "converged", "uniform")[1].l1.raw < 1e-3);
         assert!(rows.iter().all(|row| row.l1.fitted <= row.l1.raw));
         assert!(rows.iter().all(|row| !row.scheme.starts_with("ordinates") || row.reference == "ballistic"));
     }
 
     #[test]
+    fn occluders_and_colours_are_measured_too_and_nobody_has_to_wait() {
+        let [_, _, (_, mut scene)] = made::scenes(8, 3.0);
+        scene.sources[0].color = [1.0, 0.5, 0.0];
+        scene.occlusion.mode = OcclusionMode::Hard;
+        scene.blockers = vec![Blocker { cell: [6, 4, 4], normal: DVec3::NEG_X, opacity: 1.0, albedo: [0.5, 0.0, 0.0] }];
+        let rows = measure("walled", &scene, 1, &|share| (0.0..=1.0).contains(&share)).unwrap().unwrap();
+        // The solver refuses occluders, the ordinates do not.
+        assert!(rows.iter().all(|row| row.levels != "converged" && row.preset == "walled"));
+        assert!(rows.iter().any(|row| row.scheme.starts_with("ordinates") && row.l1.fitted < 1.0));
+        assert_eq!(measure("walled", &scene, 1, &|share| share < 0.5).unwrap(), None);
+    }
+
+    #[test]
     fn the_front_holds_what_nothing_beats() {
         let row = |seconds: f64, fitted: f64| Row {
-            preset: "one-wall",
+            preset: "one-wall".to_owned(),
             scheme: "cascaded".to_owned(),
             levels: "same",
             size: 8,

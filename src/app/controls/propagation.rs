@@ -4,7 +4,11 @@ use egui::{DragValue, Ui};
 
 use super::field::{choice, number, row};
 use crate::propagate::levels::Policy;
-use crate::propagate::scheme;
+use crate::propagate::ordinates;
+use crate::propagate::ordinates::directions::Lattice;
+use crate::propagate::ordinates::setting::{MOST_DIRECTIONS, Setting};
+use crate::propagate::ordinates::shares::Rule;
+use crate::propagate::{self, scheme};
 use crate::scene::Propagation;
 use crate::scene::preset::{MOST_ITERATIONS, Snapshots};
 
@@ -13,15 +17,21 @@ const LARGEST_FACTOR: f64 = 100.0;
 
 /// The fields of a propagator; those that the preset shares with no other.
 pub fn ui(ui: &mut Ui, propagation: &mut Propagation) {
-    let schemes: Vec<String> = scheme::names().iter().map(|name| (*name).to_owned()).collect();
+    let schemes: Vec<String> = propagate::names().iter().map(|name| (*name).to_owned()).collect();
     let about = scheme::find(&propagation.scheme);
-    let hint = about.map_or_else(|| "not known".to_owned(), |scheme| format!("{}\n{}", scheme.summary, scheme.source));
+    let hint = match about {
+        Some(scheme) => format!("{}\n{}", scheme.summary, scheme.source),
+        None => "Light that keeps its direction, on the finest level".to_owned(),
+    };
     choice(ui, "Scheme", &hint, &mut propagation.scheme, &schemes, String::clone);
+    if propagation.scheme == ordinates::NAME {
+        directions(ui, &mut propagation.ordinates);
+    }
     let field = DragValue::new(&mut propagation.factor).range(0.0..=LARGEST_FACTOR).speed(0.01).max_decimals(6);
     number(
         ui,
         "Factor p",
-        "The propagation factor; of the cascaded scheme 4 keeps all energy, 3 three quarters",
+        "The propagation factor; with the cascaded scheme and ordinates 4 keeps all energy, 3 three quarters",
         field,
     );
     let field = DragValue::new(&mut propagation.iterations).range(0..=MOST_ITERATIONS).speed(0.1);
@@ -44,4 +54,22 @@ pub fn ui(ui: &mut Ui, propagation: &mut Propagation) {
         ui.checkbox(&mut propagation.clamp, "")
             .on_hover_text("Negative flux counts as none; off, every iteration is linear")
     });
+}
+
+/// The fields of the ordinates.
+fn directions(ui: &mut Ui, setting: &mut Setting) {
+    let field = DragValue::new(&mut setting.directions).range(1..=MOST_DIRECTIONS).speed(0.2);
+    number(ui, "Directions", "About how many; the octahedral lattice has 8, 32, 72, 128, 200, …", field);
+    let text = |rule: &Rule| match rule {
+        Rule::Donor => "Donor cell".to_owned(),
+        Rule::Faces => "By face".to_owned(),
+    };
+    let hint = "How light is shared among a cell's far faces: all alike, or by the face through which it came in";
+    choice(ui, "Shares", hint, &mut setting.rule, &Rule::ALL, text);
+    let text = |lattice: &Lattice| match lattice {
+        Lattice::Fibonacci => "Fibonacci spiral".to_owned(),
+        Lattice::Octahedral => "Octahedral".to_owned(),
+    };
+    let hint = "How directions are spread: a spiral from pole to pole, or a set with all symmetries of the cube";
+    choice(ui, "Lattice", hint, &mut setting.lattice, &Lattice::ALL, text);
 }

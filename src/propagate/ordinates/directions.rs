@@ -3,11 +3,12 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use crate::sh::SPHERE;
 
 /// How directions are spread over the sphere.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Lattice {
     /// A spiral from pole to pole, each point the golden angle on from the last (004, 2.4.2). Any number of
     /// directions, all of one weight; no symmetry.

@@ -15,9 +15,10 @@
 //! starts evenly spread in the cell, or at its centre, come no nearer to MATH.md section 6: measured.)
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// How light that a cell takes in is shared among its far faces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Rule {
     /// Donor cell: whatever came in leaves in the shares a : b : c. A cell forgets where light came in.
     Donor,

@@ -1,121 +1,155 @@
 //! Ordinates by the iteration: every front moves one cell a step.
 
+use multiversion::multiversion;
+use rayon::prelude::*;
+
 use super::shares::Rule;
 use super::{Group, LANES, Lanes, Octant, Ordinates};
-use crate::field::{Grid, Layout};
+use crate::field::{Cell, Grid, Layout};
 use crate::propagate::transparency::Transparency;
 use crate::sh::{K0, K1, Sh};
 
-/// Light of one channel under way in all directions. It takes 12 bytes a cell and direction.
+/// Pieces that the directions are cut into: always the same, so that the sum is too.
+const PIECES: usize = 4;
+
+/// What has come into a cell by its low faces, as the wind of a group blows.
+type Came = [Lanes; 3];
+
+/// Light of one channel under way in all directions. Once it moves it takes 12 bytes a cell and direction.
 #[derive(Clone, Debug)]
 pub struct Stepper {
     ordinates: Ordinates,
-    /// For every group and cell, x fastest, what has come in by the low faces; cells in the order of the wind.
-    under_way: Vec<Vec<[Lanes; 3]>>,
+    n: usize,
+    /// For every group and cell, x fastest; cells in the order of the wind. Empty until something moves.
+    under_way: Vec<Vec<Came>>,
     /// What has not been sent yet.
-    injected: Grid<f32>,
-    arrived: Grid<f32>,
-    accumulated: Grid<f32>,
-    iteration: usize,
+    unsent: Grid<f32>,
 }
 
 impl Stepper {
     /// A dark volume of n³ cells.
     pub fn new(ordinates: Ordinates, n: usize) -> Self {
-        let groups = ordinates.octants.iter().map(|octant| octant.groups.len()).sum();
+        Stepper { ordinates, n, under_way: Vec::new(), unsent: Grid::new(n) }
+    }
+
+    /// Bytes of the light under way in so many directions.
+    pub fn bytes(directions: usize, n: usize) -> u64 {
+        // A group is at most one lane short in each octant; that is not counted.
+        (size_of::<Came>() * directions.div_ceil(LANES)) as u64 * (n as u64).pow(3)
+    }
+
+    /// Bytes of the light under way now.
+    pub fn bytes_now(&self) -> usize {
+        self.under_way.iter().map(|cells| size_of_val(cells.as_slice())).sum()
+    }
+
+    /// Makes it dark.
+    pub fn clear(&mut self) {
+        self.under_way.clear();
+        self.unsent.clear();
+    }
+
+    /// Adds light to a cell, to be sent by the next step.
+    pub fn inject(&mut self, cell: Cell, light: Sh<f32>) {
+        self.unsent.add(cell, light);
+    }
+
+    /// What the next step will send.
+    pub fn unsent(&self) -> &Grid<f32> {
+        &self.unsent
+    }
+
+    /// One iteration: sets `arrived` to Σ_j F_j·Y(u_j) of what then comes into each cell. Whatever leaves a cell is
+    /// multiplied with `gain`.
+    pub fn step(&mut self, gain: f32, occluders: Option<&Transparency>, arrived: &mut Grid<f32>) {
+        let groups: Vec<(&Octant, &Group)> =
+            self.ordinates.octants.iter().flat_map(|octant| octant.groups.iter().map(move |g| (octant, g))).collect();
         let dark = [[0.0; LANES]; 3];
-        Stepper {
-            ordinates,
-            under_way: vec![vec![dark; n.pow(3)]; groups],
-            injected: Grid::new(n),
-            arrived: Grid::new(n),
-            accumulated: Grid::new(n),
-            iteration: 0,
-        }
-    }
-
-    /// Bytes that a stepper of so many directions and cells takes.
-    pub fn bytes(directions: usize, n: usize) -> usize {
-        n.pow(3) * 4 * (3 * directions + 12)
-    }
-
-    /// Adds light, to be sent by the next step, and to the sum.
-    pub fn inject(&mut self, light: &Grid<f32>) {
-        self.injected.add_grid(light);
-        self.accumulated.add_grid(light);
-    }
-
-    /// One iteration.
-    pub fn step(&mut self, occluders: Option<&Transparency>) {
-        self.arrived.clear();
-        let mut under_way = self.under_way.iter_mut();
-        for octant in &self.ordinates.octants {
-            for (group, came) in octant.groups.iter().zip(&mut under_way) {
-                match self.ordinates.rule {
-                    Rule::Donor => advance::<true>(octant, group, &self.injected, occluders, came, &mut self.arrived),
-                    Rule::Faces => advance::<false>(octant, group, &self.injected, occluders, came, &mut self.arrived),
-                }
+        self.under_way.resize_with(groups.len(), || vec![dark; self.n.pow(3)]);
+        let piece = groups.len().div_ceil(PIECES).max(1);
+        let (unsent, rule) = (&self.unsent, self.ordinates.rule);
+        let pieces = groups.par_chunks(piece).zip(self.under_way.par_chunks_mut(piece));
+        let run = |(groups, under_way): (&[(&Octant, &Group)], &mut [Vec<Came>])| {
+            let mut arrived = Grid::new(unsent.side());
+            for (wind, came) in groups.iter().zip(under_way) {
+                advance(*wind, rule, gain, unsent, occluders, came);
+                arrive(*wind, came, &mut arrived);
             }
-        }
-        self.injected.clear();
-        self.accumulated.add_grid(&self.arrived);
-        self.iteration += 1;
-    }
-
-    /// What arrived in the last step, S_k.
-    pub fn arrived(&self) -> &Grid<f32> {
-        &self.arrived
-    }
-
-    /// The injected light and all that has arrived, S_A.
-    pub fn accumulated(&self) -> &Grid<f32> {
-        &self.accumulated
-    }
-
-    /// Steps taken.
-    pub fn iteration(&self) -> usize {
-        self.iteration
+            arrived
+        };
+        let parts: Vec<Grid<f32>> = pieces.map(run).collect();
+        arrived.clear();
+        parts.iter().for_each(|part| arrived.add_grid(part));
+        self.unsent.clear();
     }
 }
 
-/// Moves the light of one group by one cell, and adds what then has come into each cell to `arrived`.
-fn advance<const DONOR: bool>(
-    octant: &Octant,
-    group: &Group,
-    injected: &Grid<f32>,
+/// Where cell `at`, counted with the wind, lies.
+fn turned(octant: &Octant, n: usize, at: Cell) -> Cell {
+    std::array::from_fn(|a| if octant.backwards[a] { n - 1 - at[a] } else { at[a] })
+}
+
+/// Moves the light of one group by one cell.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
+fn advance(
+    (octant, group): (&Octant, &Group),
+    rule: Rule,
+    gain: f32,
+    unsent: &Grid<f32>,
     occluders: Option<&Transparency>,
-    under_way: &mut Vec<[Lanes; 3]>,
-    arrived: &mut Grid<f32>,
+    under_way: &mut [Came],
 ) {
-    let n = injected.side();
-    let turned = |i: [usize; 3]| -> [usize; 3] {
-        std::array::from_fn(|a| if octant.backwards[a] { n - 1 - i[a] } else { i[a] })
-    };
-    let mut next = vec![[[0.0; LANES]; 3]; under_way.len()];
-    for (i, (at, came)) in Layout::new(n).cells().zip(under_way.iter()).enumerate() {
-        let cell = turned(at);
-        let sent = group.sent(injected.get(cell));
-        if sent == [0.0; LANES] && *came == [[0.0; LANES]; 3] {
-            continue;
+    let n = unsent.side();
+    let dark = [[0.0; LANES]; 3];
+    // Against the wind: when a cell's light moves on, that of the next one has.
+    for (i, at) in (0..n.pow(3)).rev().map(|i| (i, [i % n, i / n % n, i / n / n])) {
+        let cell = turned(octant, n, at);
+        let (came, light) = (under_way[i], unsent.get(cell));
+        let mut leaves = dark;
+        if !light.is_zero() || came != dark {
+            let sent = if light.is_zero() { dark[0] } else { group.sent(light) };
+            let passes = occluders.map_or(1.0, |occluders| occluders.at(cell));
+            let mut unseen = [dark[0]; 4];
+            leaves = match rule {
+                Rule::Donor => group.cross::<true>(came, sent, passes, &mut unseen),
+                Rule::Faces => group.cross::<false>(came, sent, passes, &mut unseen),
+            };
+            for lanes in &mut leaves {
+                for flux in lanes {
+                    *flux *= gain;
+                }
+            }
         }
-        let passes = occluders.map_or(1.0, |occluders| occluders.at(cell));
-        let leaves = group.cross::<DONOR>(*came, sent, passes, &mut [[0.0; LANES]; 4]);
         for (axis, step) in [1, n, n * n].into_iter().enumerate() {
             if at[axis] + 1 < n {
-                next[i + step][axis] = leaves[axis];
+                under_way[i + step][axis] = leaves[axis];
+            }
+            if at[axis] == 0 {
+                under_way[i][axis] = dark[0];
             }
         }
     }
-    for (at, came) in Layout::new(n).cells().zip(&next) {
+}
+
+/// Adds what has come into each cell.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
+fn arrive((octant, group): (&Octant, &Group), under_way: &[Came], arrived: &mut Grid<f32>) {
+    let n = arrived.side();
+    let dark = [[0.0; LANES]; 3];
+    for (at, came) in Layout::new(n).cells().zip(under_way) {
+        if *came == dark {
+            continue;
+        }
         let mut sum = [0f32; 4];
         for (l, ((x, y), z)) in came[0].iter().zip(&came[1]).zip(&came[2]).enumerate() {
             let flux = x + y + z;
             sum[0] += K0 as f32 * flux;
-            (0..3).for_each(|a| sum[1 + a] += K1 as f32 * flux * group.way[a][l]);
+            for (sum, way) in sum[1..].iter_mut().zip(&group.way) {
+                *sum += K1 as f32 * flux * way[l];
+            }
         }
-        arrived.add(turned(at), Sh(sum));
+        arrived.add(turned(octant, n, at), Sh(sum));
     }
-    *under_way = next;
 }
 
 #[cfg(test)]
@@ -139,10 +173,14 @@ mod tests {
             let ordinates = Ordinates::new(lattice, 40, rule);
             let at_once = ordinates.solve(&injected, occluders.as_ref());
             let mut stepper = Stepper::new(ordinates, 8);
-            stepper.inject(&injected);
-            (0..24).for_each(|_| stepper.step(occluders.as_ref()));
+            injected.iter().for_each(|(cell, light)| stepper.inject(cell, light));
+            let (mut arrived, mut sum) = (Grid::new(8), Grid::new(8));
+            for _ in 0..24 {
+                stepper.step(1.0, occluders.as_ref(), &mut arrived);
+                sum.add_grid(&arrived);
+            }
             for (cell, light) in at_once.iter() {
-                let stepped = stepper.accumulated().get(cell) - injected.get(cell);
+                let stepped = sum.get(cell);
                 assert!((light - stepped).max_norm() < 1e-6, "{cell:?}: {light:?}, {stepped:?}");
             }
         }
@@ -150,17 +188,16 @@ mod tests {
 
     #[test]
     fn the_front_moves_one_cell_a_step() {
-        let mut injected = Grid::new(8);
-        injected.set([3, 3, 3], Sh::lobe(DVec3::Y));
         let mut stepper = Stepper::new(Ordinates::new(Lattice::Octahedral, 32, Rule::Faces), 8);
-        stepper.inject(&injected);
+        stepper.inject([3, 3, 3], Sh::lobe(DVec3::Y));
+        let mut arrived = Grid::new(8);
         for k in 1..=4 {
-            stepper.step(None);
-            for (cell, light) in stepper.arrived().iter() {
+            stepper.step(1.0, None, &mut arrived);
+            for (cell, light) in arrived.iter() {
                 let distance: usize = (0..3).map(|a| cell[a].abs_diff(3)).sum();
                 assert!(distance == k || light.is_zero(), "k = {k}, {cell:?}");
             }
-            assert!(!stepper.arrived().get([3, 3 + k, 3]).is_zero());
+            assert!(!arrived.get([3, 3 + k, 3]).is_zero());
         }
     }
 }

@@ -7,6 +7,7 @@
 
 use rayon::prelude::*;
 
+use super::lit::Lit;
 use crate::field::Grid;
 
 /// Where the cells of a half lie: slab by slab, in each the four planes, all with a dark border.
@@ -56,6 +57,22 @@ impl Half {
         Half { numbers: vec![0.0; (shape.n + 2) * shape.slab()] }
     }
 
+    /// Adds another half.
+    pub fn add(&mut self, other: &Half) {
+        self.numbers.iter_mut().zip(&other.numbers).for_each(|(a, b)| *a += b);
+    }
+
+    /// Makes rows dark.
+    pub fn clear(&mut self, shape: Shape, lit: &Lit) {
+        for z in 0..shape.n {
+            let [from, to] = [lit.rows(z).start, lit.rows(z).end].map(|y| shape.start(y));
+            for plane in 0..4 {
+                let at = Half::at(shape, z) + plane * shape.plane();
+                self.numbers[at + from..at + to].fill(0.0);
+            }
+        }
+    }
+
     /// Where slab z begins.
     fn at(shape: Shape, z: usize) -> usize {
         (z + 1) * shape.slab()
@@ -84,49 +101,51 @@ pub fn parity(h: usize, y: usize, z: usize) -> usize {
     (y + z + h) % 2
 }
 
-/// Both halves of a grid.
-pub fn split(grid: &Grid<f32>) -> [Half; 2] {
+/// Sets the `lit` rows of both halves to those of a grid; the sum of the squares of all numbers.
+pub fn split(grid: &Grid<f32>, lit: &Lit, [even, odd]: &mut [Half; 2]) -> f64 {
     let shape = Shape { n: grid.side() };
-    let mut halves = [Half::new(shape), Half::new(shape)];
-    for (plane, numbers) in grid.planes().iter().enumerate() {
-        for (y, z) in rows(shape.n) {
-            let row = &numbers[grid.layout().row_start(y, z)..][..shape.n];
+    let mut squares = 0.0;
+    for (y, z) in lit.all() {
+        let start = grid.layout().row_start(y, z);
+        let (first, second) = if (y + z) % 2 == 0 { (&mut *even, &mut *odd) } else { (&mut *odd, &mut *even) };
+        let mut sum = [0.0; 2];
+        for (plane, numbers) in grid.planes().iter().enumerate() {
             let at = Half::at(shape, z) + plane * shape.plane() + shape.start(y);
-            for (half, s) in halves.iter_mut().zip([(y + z) % 2, (y + z + 1) % 2]) {
-                let to = &mut half.numbers[at..][..shape.width()];
-                to.iter_mut().zip(row[s..].iter().step_by(2)).for_each(|(to, c)| *to = *c);
+            let pairs = first.numbers[at..].iter_mut().zip(&mut second.numbers[at..]);
+            for ((first, second), pair) in pairs.zip(numbers[start..][..shape.n].chunks_exact(2)) {
+                (*first, *second) = (pair[0], pair[1]);
+                sum[0] += f64::from(pair[0]).powi(2);
+                sum[1] += f64::from(pair[1]).powi(2);
             }
         }
+        squares += sum[0] + sum[1];
     }
-    halves
+    squares
 }
 
-/// Adds both halves to a grid.
-pub fn join([even, odd]: &[Half; 2], grid: &mut Grid<f32>) {
+/// Adds both halves to a grid, half 1 being the sum of two.
+pub fn join(even: &Half, odd: [&Half; 2], lit: &Lit, grid: &mut Grid<f32>) {
     let shape = Shape { n: grid.side() };
     let layout = grid.layout();
     grid.planes_mut().into_par_iter().enumerate().for_each(|(plane, numbers)| {
-        for (y, z) in rows(shape.n) {
+        for (y, z) in lit.all() {
             let row = &mut numbers[layout.row_start(y, z)..][..shape.n];
             let at = Half::at(shape, z) + plane * shape.plane() + shape.start(y);
-            let [even, odd] = [even, odd].map(|half| &half.numbers[at..][..shape.width()]);
-            let (first, second) = if (y + z) % 2 == 0 { (even, odd) } else { (odd, even) };
-            for (pair, (first, second)) in row.chunks_exact_mut(2).zip(first.iter().zip(second)) {
-                pair[0] += first;
-                pair[1] += second;
+            let [even, odd, more] = [even, odd[0], odd[1]].map(|half| &half.numbers[at..][..shape.width()]);
+            let s = (y + z) % 2;
+            for (pair, (even, (odd, more))) in row.chunks_exact_mut(2).zip(even.iter().zip(odd.iter().zip(more))) {
+                let odd = odd + more;
+                let both = if s == 0 { [*even, odd] } else { [odd, *even] };
+                pair.iter_mut().zip(both).for_each(|(cell, light)| *cell += light);
             }
         }
     });
 }
 
-/// Every row (y, z).
-fn rows(n: usize) -> impl Iterator<Item = (usize, usize)> {
-    (0..n).flat_map(move |z| (0..n).map(move |y| (y, z)))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::propagate::active::everywhere;
     use crate::sh::Sh;
 
     #[test]
@@ -137,7 +156,12 @@ mod tests {
                 grid.set(cell, Sh([i as f32 + 1.0, -(i as f32), 0.5, 2.0]));
             }
             let mut joined = Grid::new(n);
-            join(&split(&grid), &mut joined);
+            let shape = Shape { n };
+            let mut halves = [Half::new(shape), Half::new(shape)];
+            let lit = Lit::rows_of(&everywhere(n));
+            split(&grid, &lit, &mut halves);
+            let [even, odd] = &halves;
+            join(even, [odd, &Half::new(shape)], &lit, &mut joined);
             assert_eq!(joined, grid);
         }
     }

@@ -51,6 +51,7 @@ fn propagation(random: &mut Random) -> Propagation {
             [random.below(4)],
         clamp: !random.once_in(4),
         levels: Policy::ALL[usize::from(random.once_in(3))],
+        ..Propagation::default()
     }
 }
 

@@ -1,0 +1,60 @@
+//! Iterating to the fixed point against solving for it, as `bench` measures it: a table and `converged.csv`.
+
+use std::io::IsTerminal;
+
+use indicatif::ProgressBar;
+
+use super::CliError;
+use super::output::Folder;
+use crate::report::table::Table;
+use crate::study::converged::Refusal;
+use crate::study::converged::race::{self, Plan};
+
+/// The factors of `cascaded`: what the thesis uses, and NVIDIA's cascades.
+const FACTORS: [f64; 2] = [3.0, 3.8];
+/// The relative residual that both have to reach.
+const TOLERANCE: f64 = 1e-4;
+
+impl From<Refusal> for CliError {
+    fn from(refusal: Refusal) -> Self {
+        CliError::Failed(refusal.to_string())
+    }
+}
+
+/// Measures, prints and writes the file.
+pub fn run(sizes: Vec<usize>, rounds: usize, folder: &Folder) -> Result<(), CliError> {
+    let bar = if std::io::stderr().is_terminal() { ProgressBar::new_spinner() } else { ProgressBar::hidden() };
+    let plan = Plan { sizes, factors: FACTORS.to_vec(), tolerance: TOLERANCE, rounds };
+    let rows = race::run(&plan, |now| {
+        bar.set_message(now.to_owned());
+        bar.tick();
+    })?;
+    bar.finish_and_clear();
+    let mut table = Table::new([
+        "scene",
+        "size",
+        "factor",
+        "iterations",
+        "iterating_ms",
+        "sweeps",
+        "solving_ms",
+        "ratio",
+        "residual",
+    ]);
+    for row in &rows {
+        table.push([
+            row.scene.into(),
+            row.size.into(),
+            row.factor.into(),
+            row.iterations.into(),
+            (1e3 * row.iterating).into(),
+            row.found.sweeps.into(),
+            (1e3 * row.solving).into(),
+            (row.iterating / row.solving).into(),
+            row.found.residual.into(),
+        ]);
+    }
+    println!("\nThe fixed point, iterated to and solved for, to a relative residual of {TOLERANCE:e}:");
+    print!("{}", table.to_text());
+    folder.write_table("converged.csv", &table)
+}

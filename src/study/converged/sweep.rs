@@ -1,0 +1,206 @@
+//! What one half of a grid sends to the other, and a sweep: to the other half and back.
+
+use std::ops::Range;
+
+use multiversion::multiversion;
+use rayon::prelude::*;
+
+use super::halves::{Half, Shape, parity};
+use super::lit::Lit;
+use crate::propagate::kernel::form::Share;
+
+/// Cells computed at a time.
+const LANES: usize = 16;
+/// Numbers whose squares are summed in single precision, side by side.
+const BLOCK: usize = 1024;
+/// Lit rows that are worth another thread's while.
+const PARALLEL_FROM: usize = 500;
+
+/// Sets the `lit` rows of half `h` to what the other half sends.
+pub fn send(shape: Shape, share: &Share<f32>, h: usize, lit: &Lit, other: &Half, to: &mut Half) {
+    let slab = |(z, to): (usize, &mut [f32])| sent(shape, share, [h, z], lit.rows(z), other.around(shape, z), to);
+    let slabs = to.slabs_mut(shape).par_chunks_mut(shape.slab()).enumerate();
+    slabs.with_min_len(shape.n.div_ceil(pieces(lit))).for_each(slab);
+}
+
+/// One sweep from `x` to `next` on half 0:
+///
+/// ```text
+/// rest = b + P·P·x − x        next = x + length·rest
+/// ```
+///
+/// Returns the sum of the squares of `rest`. `lit` are the rows of half 1 that x reaches, those of half 0 that
+/// they reach grow by one more; all others are left out.
+pub fn sweep(shape: Shape, share: &Share<f32>, length: f32, lit: &Lit, [b, x]: [&Half; 2], next: &mut Half) -> f64 {
+    let reached = lit.grown();
+    let piece = shape.n.div_ceil(pieces(&reached));
+    let run = |(i, next): (usize, &mut [f32])| -> Vec<f64> {
+        // What x sends to half 1, three slabs of it at a time: they stay in the cache.
+        let mut moved = [(); 3].map(|()| vec![0.0; shape.slab()]);
+        let send = |z: usize, moved: &mut [f32]| {
+            if lit.rows(z).len() < shape.n {
+                moved.fill(0.0);
+            }
+            sent(shape, share, [1, z], lit.rows(z), x.around(shape, z), moved);
+        };
+        let first = i * piece;
+        if first > 0 {
+            send(first - 1, &mut moved[1]);
+        }
+        send(first, &mut moved[2]);
+        let slab = |(z, next): (usize, &mut [f32])| {
+            moved.rotate_left(1);
+            match z + 1 < shape.n {
+                true => send(z + 1, &mut moved[2]),
+                false => moved[2].fill(0.0),
+            }
+            let [below, here, above] = moved.each_ref().map(Vec::as_slice);
+            sent(shape, share, [0, z], reached.rows(z), [below, here, above], next);
+            finish(shape, length, reached.rows(z), [b.slab(shape, z), x.slab(shape, z)], next)
+        };
+        (first..).zip(next.chunks_mut(shape.slab())).map(slab).collect()
+    };
+    // A sum a slab, added in order: so many threads, the same sum.
+    let sums: Vec<Vec<f64>> = next.slabs_mut(shape).par_chunks_mut(piece * shape.slab()).enumerate().map(run).collect();
+    sums.iter().flatten().sum()
+}
+
+/// In how many pieces the slabs are best cut.
+fn pieces(lit: &Lit) -> usize {
+    if lit.count() < PARALLEL_FROM { 1 } else { rayon::current_num_threads() }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
+fn sent(shape: Shape, share: &Share<f32>, [h, z]: [usize; 2], lit: Range<usize>, other: [&[f32]; 3], to: &mut [f32]) {
+    match shape.width() {
+        width if width.is_multiple_of(LANES) => rows::<LANES>(shape, share, [h, z], lit, other, to),
+        width if width.is_multiple_of(4) => rows::<4>(shape, share, [h, z], lit, other, to),
+        _ => rows::<1>(shape, share, [h, z], lit, other, to),
+    }
+}
+
+/// Sets rows of slab z of half h to what comes in, `other` being the other half's slabs z − 1 to z + 1.
+// No closure is handed to anything here: it would not be compiled for the instruction set.
+#[inline(always)]
+fn rows<const L: usize>(
+    shape: Shape,
+    share: &Share<f32>,
+    [h, z]: [usize; 2],
+    lit: Range<usize>,
+    other: [&[f32]; 3],
+    to: &mut [f32],
+) {
+    let (chunks, row, plane) = (shape.width() / L, shape.row(), shape.plane());
+    let (to_c, to) = to.split_at_mut(plane);
+    let (to_x, to) = to.split_at_mut(plane);
+    let (to_y, to_z) = to.split_at_mut(plane);
+    for y in lit {
+        let (start, s) = (shape.start(y), parity(h, y, z));
+        let near = Near { other, start, s, row, chunks };
+        let (c, vx, vy, vz) =
+            (near.beside::<L>(0), near.beside::<L>(plane), near.beside::<L>(2 * plane), near.beside::<L>(3 * plane));
+        mean(share, c, [vx[0], vy[1], vz[2]], chunked_mut(&mut to_c[start..], chunks));
+        direction(share, c[0], vx[0], [vx[1], vx[2]], chunked_mut(&mut to_x[start..], chunks));
+        direction(share, c[1], vy[1], [vy[0], vy[2]], chunked_mut(&mut to_y[start..], chunks));
+        direction(share, c[2], vz[2], [vz[0], vz[1]], chunked_mut(&mut to_z[start..], chunks));
+    }
+}
+
+/// What lies around one row, in slabs z − 1 to z + 1 of the other half.
+#[derive(Clone, Copy)]
+struct Near<'a> {
+    other: [&'a [f32]; 3],
+    start: usize,
+    s: usize,
+    row: usize,
+    chunks: usize,
+}
+
+impl<'a> Near<'a> {
+    /// The neighbours before and behind along x, y and z, in the plane that begins at `plane`.
+    #[inline(always)]
+    fn beside<const L: usize>(self, plane: usize) -> [Pair<'a, L>; 3] {
+        let Near { other: [below, here, above], start, s, row, chunks } = self;
+        let at = plane + start;
+        [
+            [chunked(&here[at + s - 1..], chunks), chunked(&here[at + s..], chunks)],
+            [chunked(&here[at - row..], chunks), chunked(&here[at + row..], chunks)],
+            [chunked(&below[at..], chunks), chunked(&above[at..], chunks)],
+        ]
+    }
+}
+
+/// The neighbours before and behind along an axis, in one plane.
+type Pair<'a, const L: usize> = [&'a [[f32; L]]; 2];
+
+#[inline(always)]
+fn mean<const L: usize>(
+    share: &Share<f32>,
+    [cx, cy, cz]: [Pair<'_, L>; 3],
+    [x, y, z]: [Pair<'_, L>; 3],
+    to: &mut [[f32; L]],
+) {
+    for k in 0..to.len() {
+        let mut value = [0.0; L];
+        for j in 0..L {
+            let mean = (cx[0][k][j] + cx[1][k][j]) + (cy[0][k][j] + cy[1][k][j]) + (cz[0][k][j] + cz[1][k][j]);
+            let inward = (x[0][k][j] - x[1][k][j]) + (y[0][k][j] - y[1][k][j]) + (z[0][k][j] - z[1][k][j]);
+            value[j] = share.alpha * mean + share.beta * inward;
+        }
+        to[k] = value;
+    }
+}
+
+#[inline(always)]
+fn direction<const L: usize>(
+    share: &Share<f32>,
+    c: Pair<'_, L>,
+    along: Pair<'_, L>,
+    [p, q]: [Pair<'_, L>; 2],
+    to: &mut [[f32; L]],
+) {
+    for k in 0..to.len() {
+        let mut value = [0.0; L];
+        for j in 0..L {
+            let fall = c[0][k][j] - c[1][k][j];
+            let along = along[0][k][j] + along[1][k][j];
+            let across = (p[0][k][j] + p[1][k][j]) + (q[0][k][j] + q[1][k][j]);
+            value[j] = share.gamma * fall + share.delta * along + share.epsilon * across;
+        }
+        to[k] = value;
+    }
+}
+
+/// Takes rows of a slab from what comes in to x + length · rest; the sum of the squares of the rest.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
+fn finish(shape: Shape, length: f32, lit: Range<usize>, [b, x]: [&[f32]; 2], next: &mut [f32]) -> f64 {
+    let mut squares = 0.0;
+    for plane in 0..4 {
+        let run = plane * shape.plane() + shape.start(lit.start)..plane * shape.plane() + shape.start(lit.end);
+        let (b, x, next) = (&b[run.clone()], &x[run.clone()], &mut next[run]);
+        for ((next, b), x) in next.chunks_mut(BLOCK).zip(b.chunks(BLOCK)).zip(x.chunks(BLOCK)) {
+            let mut lanes = [0.0f32; LANES];
+            for ((next, b), x) in next.chunks_mut(LANES).zip(b.chunks(LANES)).zip(x.chunks(LANES)) {
+                for (((next, b), x), lane) in next.iter_mut().zip(b).zip(x).zip(&mut lanes) {
+                    let rest = (b + *next) - x;
+                    *next = x + length * rest;
+                    *lane += rest * rest;
+                }
+            }
+            squares += lanes.iter().copied().map(f64::from).sum::<f64>();
+        }
+    }
+    squares
+}
+
+/// The first `chunks` · L numbers, by the chunk.
+#[inline(always)]
+fn chunked<const L: usize>(numbers: &[f32], chunks: usize) -> &[[f32; L]] {
+    &numbers[..chunks * L].as_chunks().0[..chunks]
+}
+
+/// [`chunked`], to write in.
+#[inline(always)]
+fn chunked_mut<const L: usize>(numbers: &mut [f32], chunks: usize) -> &mut [[f32; L]] {
+    &mut numbers[..chunks * L].as_chunks_mut().0[..chunks]
+}

@@ -1,0 +1,148 @@
+//! The ways to get at the light of a scene.
+
+use std::time::Instant;
+
+use crate::field::Grid;
+use crate::propagate::levels::Policy;
+use crate::propagate::ordinates::Ordinates;
+use crate::propagate::ordinates::directions::Lattice;
+use crate::propagate::ordinates::shares::Rule;
+use crate::propagate::scheme;
+use crate::propagate::transparency::Transparency;
+use crate::scene::occluder::OcclusionMode;
+use crate::scene::preset::Snapshots;
+use crate::scene::{Propagation, Scene};
+use crate::simulation::options::Wanted;
+use crate::simulation::{Simulation, SimulationError};
+use crate::study::ballistic;
+use crate::study::converged::{Refusal, Solver};
+use crate::study::reference;
+
+/// Iterations after which a scheme is looked at.
+pub(super) const ITERATIONS: [usize; 6] = [1, 2, 4, 8, 16, 32];
+/// Relative residuals to which fixed points are solved for.
+const TOLERANCES: [f64; 2] = [1e-2, 1e-4];
+/// Sets of directions: about so many.
+const DIRECTIONS: [usize; 5] = [24, 48, 72, 128, 192];
+
+/// A way to get at the light.
+pub(super) enum Way {
+    Iterate { scheme: &'static str, levels: &'static str, iterations: usize },
+    Solve { scheme: &'static str, tolerance: f64 },
+    Ordinates(Lattice, Ordinates),
+}
+
+/// What every way starts from.
+pub(super) struct Start {
+    scene: Scene,
+    pub(super) injected: Simulation<f32>,
+    occluders: Option<Transparency>,
+}
+
+/// The light of a way, and where it came from.
+pub(super) struct Outcome {
+    /// Everything, for the uniform reference; `None` where there is no such volume.
+    pub(super) all: Option<Vec<Grid<f32>>>,
+    /// What has moved, for the ballistic one.
+    pub(super) moved: Vec<Grid<f32>>,
+    pub(super) iterations: usize,
+    pub(super) seconds: f64,
+}
+
+impl Start {
+    pub(super) fn new(scene: &Scene) -> Result<Self, SimulationError> {
+        let scene = with(scene, scheme::names()[0], "uniform", 0);
+        let blocks = scene.occlusion.mode != OcclusionMode::Off;
+        let occluders = Transparency::new(scene.size, if blocks { &scene.blockers } else { &[] });
+        Ok(Start { injected: reference::injected(&scene)?, occluders, scene })
+    }
+}
+
+/// The scene under a scheme, everything summed: `levels` is uniform for a single level, or a policy's name.
+pub(super) fn with(scene: &Scene, scheme: &str, levels: &str, iterations: usize) -> Scene {
+    let policy = Policy::ALL.into_iter().find(|policy| policy.name() == levels);
+    let propagation = Propagation {
+        scheme: scheme.to_owned(),
+        iterations,
+        levels: policy.unwrap_or_default(),
+        snapshots: Snapshots::Thesis,
+        ..scene.propagation.clone()
+    };
+    let coarsest = if policy.is_some() { 1 } else { scene.size };
+    Scene { coarsest, propagation, ..scene.clone() }
+}
+
+/// Every way there is.
+pub(super) fn all() -> Vec<Way> {
+    let mut ways = Vec::new();
+    for scheme in scheme::names() {
+        for levels in ["uniform", Policy::Same.name(), Policy::Consistent.name()] {
+            ways.extend(ITERATIONS.map(|iterations| Way::Iterate { scheme, levels, iterations }));
+        }
+        ways.extend(TOLERANCES.map(|tolerance| Way::Solve { scheme, tolerance }));
+    }
+    for lattice in Lattice::ALL {
+        for rule in Rule::ALL {
+            ways.extend(DIRECTIONS.map(|count| Way::Ordinates(lattice, Ordinates::new(lattice, count, rule))));
+        }
+    }
+    ways
+}
+
+impl Way {
+    pub(super) fn scheme(&self) -> String {
+        match self {
+            Way::Iterate { scheme, .. } | Way::Solve { scheme, .. } => (*scheme).to_owned(),
+            Way::Ordinates(lattice, ordinates) => {
+                format!("ordinates-{}-{}-{}", lattice.name(), ordinates.rule().name(), ordinates.count())
+            }
+        }
+    }
+
+    pub(super) fn levels(&self) -> &'static str {
+        match self {
+            Way::Iterate { levels, .. } => levels,
+            Way::Solve { .. } => "converged",
+            Way::Ordinates(..) => "uniform",
+        }
+    }
+
+    /// From the injected light to what becomes of it.
+    pub(super) fn go(&self, start: &Start) -> Result<Outcome, Refusal> {
+        let Start { scene, injected, occluders } = start;
+        let lights = injected.lights().iter().map(|light| light.source.level(0));
+        match self {
+            Way::Iterate { scheme, levels, iterations } => {
+                let mut simulation = Simulation::<f32>::new(with(scene, scheme, levels, *iterations))?;
+                let started = Instant::now();
+                simulation.run_all(Wanted::Merged);
+                let seconds = started.elapsed().as_secs_f64();
+                let merged = simulation.lights().iter().filter_map(|light| light.merged.clone());
+                let moved = ballistic::moved(&simulation)?;
+                Ok(Outcome { all: Some(merged.collect()), moved, iterations: *iterations, seconds })
+            }
+            Way::Solve { scheme, tolerance } => {
+                let scene = with(scene, scheme, "uniform", 0);
+                let mut solver = Solver::for_scene(&scene)?;
+                let mut all: Vec<Grid<f32>> = lights.clone().map(|_| Grid::new(scene.size)).collect();
+                let mut iterations = 0;
+                let started = Instant::now();
+                for (light, all) in lights.clone().zip(&mut all) {
+                    let found = solver.solve(light, *tolerance, all, &mut |_| true)?;
+                    iterations += found.map_or(0, |found| found.sweeps);
+                }
+                let seconds = started.elapsed().as_secs_f64();
+                let mut moved = all.clone();
+                for (light, moved) in lights.zip(&mut moved) {
+                    light.iter().filter(|(_, c)| !c.is_zero()).for_each(|(cell, c)| moved.add(cell, c * -1.0));
+                }
+                Ok(Outcome { all: Some(all), moved, iterations, seconds })
+            }
+            Way::Ordinates(_, ordinates) => {
+                let started = Instant::now();
+                let moved = lights.map(|light| ordinates.solve(light, occluders.as_ref())).collect();
+                Ok(Outcome { all: None, moved, iterations: 1, seconds: started.elapsed().as_secs_f64() })
+            }
+        }
+    }
+}
