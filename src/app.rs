@@ -3,6 +3,7 @@
 //! `lab` holds the state and obeys `command`s, `layout` draws it, and `worker` computes on a thread
 //! of its own, so that the window never waits for a volume.
 
+mod axis;
 mod closing;
 mod command;
 mod compare;
@@ -10,6 +11,7 @@ mod controls;
 mod cut;
 mod document;
 mod drops;
+mod errand;
 mod errors;
 mod export;
 mod files;
@@ -34,6 +36,7 @@ mod style;
 mod timeline;
 mod toolbar;
 mod track;
+mod truth;
 mod view;
 mod worker;
 

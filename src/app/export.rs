@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::Path;
 
 use super::command::Command;
-use super::errors::{ABSOLUTE, Plots, Quantity, RELATIVE, Run};
+use super::errors::{Group, Plots, Run};
 use super::glyphs::Scales;
 use super::lab::Lab;
 use super::look::Shown;
@@ -40,42 +40,41 @@ pub fn csv(runs: &[&Run]) -> Result<String, Box<dyn Error>> {
 
 /// The plots as a figure for a paper: the curves that are on screen.
 pub fn figure(title: &str, plots: &Plots, runs: &[&Run], seen: usize) -> Figure {
-    let metric = plots.metric(runs);
-    let level = plots.level.map_or("all levels".to_owned(), |level| format!("level {level}"));
-    let plot = |title: &str, y_label: &str, quantities: &[Quantity]| {
+    let (metric, level) = (plots.metric(), plots.level());
+    let level_name = level.map_or("all levels".to_owned(), |level| format!("level {level}"));
+    let plot = |group: &Group| {
         let mut curves = Vec::new();
         for run in runs {
-            for (i, quantity) in quantities.iter().enumerate().filter(|(_, quantity)| plots.draws(quantity)) {
+            for (i, quantity) in group.quantities.iter().enumerate().filter(|(_, quantity)| plots.draws(quantity)) {
                 let several = runs.len() > 1;
                 curves.push(Curve {
                     name: if several { format!("{}, {}", run.name, quantity.name) } else { quantity.name.to_owned() },
-                    points: run.curve(metric, plots.level, quantity.value),
+                    points: (quantity.curve)(run, metric, level),
                     color: if several { run.color } else { i },
                     dash: if quantity.dashed { Dash::Dashed } else { Dash::Solid },
                 });
             }
         }
+        curves.retain(|curve| !curve.points.is_empty());
         Plot {
-            title: format!("{title}, {level}"),
+            title: format!("{}, {metric}, {level_name}", group.title),
             x_label: "iteration k".to_owned(),
-            y_label: y_label.to_owned(),
+            y_label: group.axis.to_owned(),
             log_y: plots.log,
             curves,
             marks: vec![Mark { x: seen as f64, label: format!("k = {seen}") }],
         }
     };
-    let plots = vec![
-        plot("Absolute error", "|O − Ô|, SH coefficients", &ABSOLUTE),
-        plot("Relative error", "|O − Ô| / |O|", &RELATIVE),
-    ];
-    Figure { title: title.to_owned(), plots, theme: Theme::LIGHT, size: PLOT_SIZE }
+    let drawn = plots.groups().map(plot).collect();
+    Figure { title: title.to_owned(), plots: drawn, theme: Theme::LIGHT, size: PLOT_SIZE }
 }
 
 /// The slices as a picture for a paper.
 pub fn slices(title: &str, view: &View, shown: &[Shown], titles: &[String]) -> String {
     let scales = Scales::of(view, shown);
     let panels = shown.iter().zip(titles);
-    let panels = panels.map(|(shown, title)| Panel { title, slice: &shown.slice, scale: scales.glyph }).collect();
+    let panels =
+        panels.map(|(shown, title)| Panel { title, slice: &shown.slice, scale: scales.scale(shown).glyph }).collect();
     let plane = view.plane();
     let subtitle = format!("{}, cut at {} = {}", view.layer.name(), Axis::name(plane.axis.across()), plane.index);
     let hue: Hue = view.hue();

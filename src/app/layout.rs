@@ -120,8 +120,9 @@ impl Lab {
         let seen = self.seen();
         ui.horizontal(|ui| {
             ui.label(RichText::new("Errors").strong());
-            let runs: Vec<&super::errors::Run> = self.runs.iter().chain(&self.kept).collect();
-            self.settings.plots.controls(ui, &runs);
+            let levels = self.progress.levels;
+            self.settings.plots.controls(ui, levels);
+            self.truth_progress(ui);
             ui.separator();
             toolbar::button(self, ui, Command::KeepRun);
             if !self.kept.is_empty() {

@@ -2,11 +2,11 @@
 
 use egui::{Frame, Panel, Ui};
 
-use super::compare::{Sides, letter};
+use super::compare::{Sides, letter, sides};
 use super::glyphs::Scales;
 use super::grids::Manner;
 use super::lab::Lab;
-use super::look::{Light, Pane, Shown};
+use super::look::{Light, Of, Pane, Shown};
 use super::style::theme;
 use super::view::Stage;
 use super::{compare, controls, legend};
@@ -100,13 +100,18 @@ impl Lab {
         let symbol = light.symbol(shown.iteration);
         let forgotten = if shown.forgotten { " (iteration no longer kept)" } else { "" };
         let by_propagators = self.comparison.sides == Sides::Propagators;
+        let letter = |of: Of| letter(sides(&self.others).iter().position(|side| *side == of).unwrap_or_default());
         match (self.settings.view.stage, minus) {
             (Stage::Compare, None) if by_propagators => {
-                let name = self.runs.get(state.track).map_or("", |run| run.name.as_str());
-                format!("{}  {name}:  {symbol}{forgotten}", letter(state.track))
+                let Of::Track(track) = state.of else {
+                    return format!("{}  what truly arrives:  R", letter(state.of));
+                };
+                let name = self.runs.get(track).map_or("", |run| run.name.as_str());
+                format!("{}  {name}:  {symbol}{forgotten}", letter(state.of))
             }
             (Stage::Compare, Some(other)) if by_propagators => {
-                format!("{} − {}:  difference of {symbol}", letter(state.track), letter(other.track))
+                let of = if shown.pane.moved() { "R and S_A − S_0".to_owned() } else { symbol };
+                format!("{} − {}:  difference of {of}", letter(state.of), letter(other.of))
             }
             (Stage::Compare, Some(other)) => {
                 format!("k = {} minus k = {}", shown.iteration, other.iteration.unwrap_or(self.progress.iteration))
