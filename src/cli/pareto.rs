@@ -8,7 +8,7 @@ use super::CliError;
 use super::output::Folder;
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
-use crate::report::table::Table;
+use crate::report::table;
 use crate::study::pareto::{self, Plan, Row};
 
 /// A propagation factor from the command line.
@@ -26,47 +26,27 @@ pub fn run(plan: &Plan, folder: &Folder) -> Result<(), CliError> {
     })?;
     bar.finish_and_clear();
     let all: Vec<&Row> = rows.iter().collect();
-    folder.write_table("pareto.csv", &table(&all))?;
+    folder.write_table("pareto.csv", &table::pareto(&all))?;
     for (preset, size, reference) in kinds(&rows) {
         println!("\nThe fastest way to each error, {preset}, n = {size}, against {reference}:");
-        print!("{}", table(&pareto::front(&of_kind(&rows, (preset, size, reference)))).to_text());
+        print!("{}", table::pareto(&pareto::front(&of_kind(&rows, (preset, size, reference)))).to_text());
     }
     let largest = plan.sizes.iter().copied().max().unwrap_or_default();
     folder.write_svg_and_png("pareto", &figure(&rows, largest).to_svg())
 }
 
 /// What errors can be compared within: a scene, a size and a reference.
-type Kind = (&'static str, usize, &'static str);
+type Kind<'a> = (&'a str, usize, &'static str);
 
-fn kinds(rows: &[Row]) -> Vec<Kind> {
-    let mut kinds: Vec<Kind> = rows.iter().map(|row| (row.preset, row.size, row.reference)).collect();
+fn kinds(rows: &[Row]) -> Vec<Kind<'_>> {
+    let mut kinds: Vec<Kind> = rows.iter().map(|row| (row.preset.as_str(), row.size, row.reference)).collect();
     kinds.sort_unstable();
     kinds.dedup();
     kinds
 }
 
-fn of_kind(rows: &[Row], kind: Kind) -> Vec<&Row> {
-    rows.iter().filter(|row| (row.preset, row.size, row.reference) == kind).collect()
-}
-
-/// Rows as `pareto.csv` has them.
-fn table(rows: &[&Row]) -> Table<9> {
-    let mut table =
-        Table::new(["preset", "scheme", "levels", "size", "iterations", "seconds", "reference", "l1", "l1_best_fit"]);
-    for row in rows {
-        table.push([
-            row.preset.into(),
-            row.scheme.as_str().into(),
-            row.levels.into(),
-            row.size.into(),
-            row.iterations.into(),
-            row.seconds.into(),
-            row.reference.into(),
-            row.l1.raw.into(),
-            row.l1.fitted.into(),
-        ]);
-    }
-    table
+fn of_kind<'a>(rows: &'a [Row], kind: Kind) -> Vec<&'a Row> {
+    rows.iter().filter(|row| (row.preset.as_str(), row.size, row.reference) == kind).collect()
 }
 
 /// Best-fit error over time at one size, a plot for each scene and reference: `cascaded` by each way, the

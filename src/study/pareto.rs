@@ -1,8 +1,8 @@
 //! Time against error: every way to get at the light of a scene, how long it takes and how far off it is.
 //!
-//! Scenes are made at any size: a wall, two walls that face each other, a lobe. The ways are each scheme with
-//! each policy for its levels after 1, 2, 4 … iterations, its fixed point, and discrete ordinates. Errors
-//! are L1 ratios of the merged light against two references:
+//! Scenes are made at any size: a wall, two walls that face each other, a lobe; or one is given. The ways are each
+//! scheme with each policy for its levels after 1, 2, 4 … iterations; of scenes that are made also its fixed
+//! point, and discrete ordinates. Errors are L1 ratios of the merged light against two references:
 //!
 //! - *uniform*: the fixed point of the uniform volume under the same scheme and factor, what the scheme itself
 //!   is after (ordinates have no such volume);
@@ -16,14 +16,14 @@ use std::time::Instant;
 use glam::DVec3;
 
 use super::ballistic::{self, Ballistic, BestFit};
-use super::converged;
-use super::reference;
+use super::{converged, error, reference};
 use crate::field::{Grid, Layout};
 use crate::propagate::levels::Policy;
 use crate::propagate::ordinates::Ordinates;
 use crate::propagate::ordinates::directions::Lattice;
 use crate::propagate::ordinates::shares::Rule;
 use crate::propagate::scheme;
+use crate::scene::preset::Snapshots;
 use crate::scene::{Occlusion, Propagation, Scene, Source};
 use crate::sh::Sh;
 use crate::simulation::options::Wanted;
@@ -31,6 +31,8 @@ use crate::simulation::{Light, Simulation, SimulationError};
 
 /// Iterations after which a scheme is looked at.
 const ITERATIONS: [usize; 6] = [1, 2, 4, 8, 16, 32];
+/// The same, on a scene that is given.
+const FEW_ITERATIONS: [usize; 5] = [1, 2, 4, 8, 16];
 /// Iterations that stand for the fixed point where none is solved for.
 const FOR_EVER: usize = 400;
 /// Relative residuals to which fixed points are solved for.
@@ -54,8 +56,8 @@ pub struct Plan {
 /// One way on one scene against one reference, as `pareto.csv` has it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// The scene: one-wall, two-walls or one-lobe.
-    pub preset: &'static str,
+    /// The scene: one-wall, two-walls, one-lobe, or the name of one that was given.
+    pub preset: String,
     /// The scheme, or ordinates with their lattice, rule and number of directions.
     pub scheme: String,
     /// uniform, same, consistent or converged.
@@ -96,10 +98,24 @@ pub fn measure(plan: &Plan, mut watch: impl FnMut(&str)) -> Result<Vec<Row>, Sim
         for (preset, sources) in scenes(size) {
             watch(&format!("{preset}, n = {size}"));
             let scene = scene(size, sources, plan.factor);
-            rows.extend(measure_scene(preset, &scene, plan.rounds)?);
+            let Some(truth) = Ballistic::new(&scene, &|_| true)? else { continue };
+            rows.extend(measure_ways(preset, &scene, ways(), &truth, plan.rounds, &mut |_| true)?.unwrap_or_default());
         }
     }
     Ok(rows)
+}
+
+/// Measures each scheme with each policy for its levels on a scene. `watch` hears of the share done, 0 to 1, and
+/// returns whether to go on; `None` if it did not want to.
+pub fn measure_scene(
+    name: &str,
+    scene: &Scene,
+    truth: &Ballistic,
+    rounds: usize,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<Option<Vec<Row>>, SimulationError> {
+    let ways = scheme::names().into_iter().flat_map(|scheme| iterated(scheme, &FEW_ITERATIONS)).collect();
+    measure_ways(name, scene, ways, truth, rounds, watch)
 }
 
 /// Of the ways on one scene and size against one reference those that no other beats in both time and error
@@ -116,37 +132,56 @@ pub fn front<'a>(rows: &[&'a Row]) -> Vec<&'a Row> {
     sorted
 }
 
-fn measure_scene(preset: &'static str, scene: &Scene, rounds: usize) -> Result<Vec<Row>, SimulationError> {
-    let Some(truth) = Ballistic::new(scene, &|_| true)? else {
-        return Ok(Vec::new());
+fn measure_ways(
+    preset: &str,
+    scene: &Scene,
+    ways: Vec<Way>,
+    truth: &Ballistic,
+    rounds: usize,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<Option<Vec<Row>>, SimulationError> {
+    let schemes = scheme::names();
+    let steps = (schemes.len() + ways.len() * (1 + rounds)) as f64;
+    let mut done = 0;
+    let mut step = |within: bool| {
+        done += usize::from(!within);
+        watch(done as f64 / steps)
     };
     let mut fixed_points = Vec::new();
-    for name in scheme::names() {
-        fixed_points.push((name, fixed_point(&with(scene, name, "uniform", FOR_EVER))?));
+    for name in schemes {
+        let scene = with(scene, name, "uniform", FOR_EVER);
+        let Some(light) = fixed_point(&scene, &mut || step(true))? else { return Ok(None) };
+        fixed_points.push((name, light));
+        step(false);
     }
-    let mut ways = ways();
-    let mut outcomes = Vec::new();
-    // Ways that a scheme refuses are left out.
-    ways.retain(|way| match way.go(scene) {
-        Ok(outcome) => {
+    let injected = reference::injected::<f32>(scene)?;
+    let (mut tried, mut outcomes) = (Vec::new(), Vec::new());
+    for way in ways {
+        // Ways that a scheme refuses are left out.
+        if let Ok(outcome) = way.go(scene, &injected) {
+            tried.push(way);
             outcomes.push(outcome);
-            true
         }
-        Err(_) => false,
-    });
-    let mut times = vec![Vec::new(); ways.len()];
-    for _ in 0..rounds {
-        for (way, times) in ways.iter().zip(&mut times) {
-            times.extend(way.go(scene).map(|outcome| outcome.seconds));
+        if !step(false) {
+            return Ok(None);
         }
     }
-    let scales = vec![1.0; truth.light().len()];
+    let mut times = vec![Vec::new(); tried.len()];
+    for _ in 0..rounds {
+        for (way, times) in tried.iter().zip(&mut times) {
+            times.extend(way.go(scene, &injected).map(|outcome| outcome.seconds));
+            if !step(false) {
+                return Ok(None);
+            }
+        }
+    }
+    let scales = error::channel_scales(&injected);
     let mut rows = Vec::new();
-    for ((way, outcome), mut times) in ways.iter().zip(&outcomes).zip(times) {
+    for ((way, outcome), mut times) in tried.iter().zip(&outcomes).zip(times) {
         times.sort_by(f64::total_cmp);
         let seconds = times.get(times.len() / 2).copied().unwrap_or_default();
         let row = |reference, l1| Row {
-            preset,
+            preset: preset.to_owned(),
             scheme: way.scheme(),
             levels: way.levels(),
             size: scene.size,
@@ -161,15 +196,20 @@ fn measure_scene(preset: &'static str, scene: &Scene, rounds: usize) -> Result<V
         }
         rows.push(row("ballistic", ballistic::l1(&scales, &outcome.moved, truth.light())));
     }
-    Ok(rows)
+    Ok(Some(rows))
+}
+
+/// A scheme with each policy for its levels, and on the finest level alone.
+fn iterated(scheme: &'static str, iterations: &[usize]) -> Vec<Way> {
+    let levels = ["uniform", Policy::Same.name(), Policy::Consistent.name()];
+    let each = |levels| iterations.iter().map(move |&iterations| Way::Iterate { scheme, levels, iterations });
+    levels.into_iter().flat_map(each).collect()
 }
 
 fn ways() -> Vec<Way> {
     let mut ways = Vec::new();
     for scheme in scheme::names() {
-        for levels in ["uniform", Policy::Same.name(), Policy::Consistent.name()] {
-            ways.extend(ITERATIONS.map(|iterations| Way::Iterate { scheme, levels, iterations }));
-        }
+        ways.extend(iterated(scheme, &ITERATIONS));
         ways.extend(TOLERANCES.map(|tolerance| Way::Solve { scheme, tolerance }));
     }
     for lattice in Lattice::ALL {
@@ -198,8 +238,8 @@ impl Way {
         }
     }
 
-    /// From the scene to its light.
-    fn go(&self, scene: &Scene) -> Result<Outcome, converged::Refusal> {
+    /// From the scene to its light; `injected` holds what of it has not moved.
+    fn go(&self, scene: &Scene, injected: &Simulation<f32>) -> Result<Outcome, converged::Refusal> {
         match self {
             Way::Iterate { scheme, levels, iterations } => {
                 let mut simulation = Simulation::<f32>::new(with(scene, scheme, levels, *iterations))?;
@@ -207,7 +247,7 @@ impl Way {
                 simulation.run_all(Wanted::Merged);
                 let seconds = started.elapsed().as_secs_f64();
                 let merged = simulation.lights().iter().filter_map(|light| light.merged.clone());
-                Ok(Outcome::new(scene, merged.collect(), *iterations, seconds))
+                Ok(Outcome::new(injected, merged.collect(), *iterations, seconds))
             }
             Way::Solve { scheme, tolerance } => {
                 let scene = with(scene, scheme, "uniform", 0);
@@ -215,10 +255,9 @@ impl Way {
                 let found = converged::solve(&scene, *tolerance, |_| true)?;
                 let seconds = started.elapsed().as_secs_f64();
                 let (light, cycles) = found.map_or((Vec::new(), 0), |found| (found.light, found.cycles));
-                Ok(Outcome::new(&scene, light, cycles, seconds))
+                Ok(Outcome::new(injected, light, cycles, seconds))
             }
             Way::Ordinates(_, ordinates) => {
-                let injected = reference::injected::<f32>(scene)?;
                 let solve = |light: &Light<f32>| ordinates.solve(light.source.level(0), None);
                 let started = Instant::now();
                 let moved = injected.lights().iter().map(solve).collect();
@@ -230,35 +269,43 @@ impl Way {
 
 impl Outcome {
     /// Of all light, what has moved is without the injected one.
-    fn new(scene: &Scene, all: Vec<Grid<f32>>, iterations: usize, seconds: f64) -> Self {
+    fn new(injected: &Simulation<f32>, all: Vec<Grid<f32>>, iterations: usize, seconds: f64) -> Self {
         let mut moved = all.clone();
-        for (cell, light) in scene.sources.iter().flat_map(|source| &source.light) {
-            moved.iter_mut().for_each(|grid| grid.set(*cell, grid.get(*cell) - light.cast()));
+        for (moved, light) in moved.iter_mut().zip(injected.lights()) {
+            for (cell, value) in light.source.level(0).iter().filter(|(_, value)| !value.is_zero()) {
+                moved.set(cell, moved.get(cell) - value);
+            }
         }
         Outcome { all: Some(all), moved, iterations, seconds }
     }
 }
 
-/// The fixed point of the uniform volume, solved for or iterated.
-fn fixed_point(scene: &Scene) -> Result<Vec<Grid<f32>>, SimulationError> {
-    if let Ok(Some(found)) = converged::solve(scene, REFERENCE_TOLERANCE, |_| true) {
-        return Ok(found.light);
+/// The fixed point of the uniform volume, solved for or iterated; `None` once `go_on` does not want to.
+fn fixed_point(scene: &Scene, go_on: &mut dyn FnMut() -> bool) -> Result<Option<Vec<Grid<f32>>>, SimulationError> {
+    if let Ok(found) = converged::solve(scene, REFERENCE_TOLERANCE, |_| go_on()) {
+        return Ok(found.map(|found| found.light));
     }
     let mut simulation = Simulation::<f32>::new(scene.clone())?;
-    simulation.run_all(Wanted::Everything);
-    Ok(reference::uniform(&simulation))
+    let mut wanted = true;
+    simulation.run(|_| {
+        wanted = go_on();
+        wanted
+    });
+    Ok(wanted.then(|| reference::uniform(&simulation)))
 }
 
-/// The scene under a scheme: `levels` is uniform for a single level, or a policy's name.
+/// The scene under a scheme: `levels` is uniform for a single level, or a policy's name. The sum counts the
+/// injected light, as the fixed point does.
 fn with(scene: &Scene, scheme: &str, levels: &str, iterations: usize) -> Scene {
     let policy = Policy::ALL.into_iter().find(|policy| policy.name() == levels);
     let propagation = Propagation {
         scheme: scheme.to_owned(),
         iterations,
         levels: policy.unwrap_or_default(),
+        snapshots: Snapshots::Thesis,
         ..scene.propagation.clone()
     };
-    let coarsest = if policy.is_some() { 1 } else { scene.size };
+    let coarsest = if policy.is_some() { scene.coarsest } else { scene.size };
     Scene { coarsest, propagation, ..scene.clone() }
 }
 
@@ -310,9 +357,28 @@ mod tests {
     }
 
     #[test]
+    fn a_scene_with_colours_and_occluders_is_measured_until_nobody_wants_to_know() {
+        let text = "(version: 1, size: 4, injectors: [(kind: Wall(side: NegX), color: (1, 0.5, 0))], \
+                    occluders: [(kind: Box(from: (2, 0, 0), to: (2, 1, 1)))])";
+        let preset = crate::scene::Preset::parse(text, std::path::Path::new("test")).unwrap();
+        let scene = Scene::build(&preset, std::path::Path::new("")).unwrap();
+        let truth = Ballistic::new(&scene, &|_| true).unwrap().unwrap();
+        let mut shares = Vec::new();
+        let mut watch = |share| {
+            shares.push(share);
+            true
+        };
+        let rows = measure_scene("mine", &scene, &truth, 1, &mut watch).unwrap().unwrap();
+        assert_eq!(rows.len(), 2 * 3 * FEW_ITERATIONS.len() * scheme::names().len());
+        assert!(rows.iter().all(|row| row.preset == "mine" && row.l1.fitted <= row.l1.raw));
+        assert!(shares.is_sorted() && shares.last() == Some(&1.0));
+        assert_eq!(measure_scene("mine", &scene, &truth, 1, &mut |share| share < 0.5).unwrap(), None);
+    }
+
+    #[test]
     fn the_front_holds_what_nothing_beats() {
         let row = |seconds: f64, fitted: f64| Row {
-            preset: "one-wall",
+            preset: "one-wall".to_owned(),
             scheme: "cascaded".to_owned(),
             levels: "same",
             size: 8,
