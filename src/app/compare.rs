@@ -4,6 +4,7 @@
 use egui::{ComboBox, DragValue, Ui};
 
 use super::controls::{self, name};
+use super::critical::warning;
 use super::lab::Lab;
 use super::look::{Light, Of, Pane, State};
 use crate::propagate::levels::Policy;
@@ -177,9 +178,10 @@ pub fn propagators(lab: &mut Lab, ui: &mut Ui) {
     let mut gone = None;
     for (i, other) in compare.others.iter_mut().enumerate() {
         ui.push_id(("other", i), |ui| {
-            if rival(ui, &format!("Propagator {}", letter(i + 1)), letter(i + 1), other, &own) {
+            if rival(ui, letter(i + 1), other, &own) {
                 gone = Some(i);
             }
+            warning(ui, lab.critical.exceeded(i + 1).filter(|_| matches!(other, Rival::Propagator(_))));
         });
     }
     if let Some(i) = gone {
@@ -193,8 +195,8 @@ pub fn propagators(lab: &mut Lab, ui: &mut Ui) {
 }
 
 /// The fields of one rival; true where it is to go.
-fn rival(ui: &mut Ui, full_name: &str, letter: char, rival: &mut Rival, own: &Propagation) -> bool {
-    let full = |what: &str| format!("{full_name} {what}");
+fn rival(ui: &mut Ui, letter: char, rival: &mut Rival, own: &Propagation) -> bool {
+    let full = |what: &str| format!("Propagator {letter} {what}");
     let gone = ui.horizontal(|ui| {
         ui.strong(format!("{letter}"));
         let combo = ComboBox::from_id_salt("scheme").selected_text(rival.choice()).width(118.0);

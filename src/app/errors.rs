@@ -8,6 +8,10 @@ use serde::{Deserialize, Serialize};
 pub use drawing::Curves;
 
 use super::controls::name;
+use super::format::Format;
+use super::line::LineChoice;
+use super::pareto::ParetoChoice;
+use super::plots::lasting_menu;
 use super::track::Measured;
 use crate::study::error::{ErrorRow, Metric};
 
@@ -111,10 +115,24 @@ pub const GROUPS: [Group; 3] = [
     },
 ];
 
-/// What the plots show.
+/// The plots that share the foot of the window.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Tab {
+    /// Errors over the iterations.
+    #[default]
+    Errors,
+    /// Light along a line of cells.
+    Line,
+    /// Run time against error.
+    Pareto,
+}
+
+/// What the plots show, and how they are taken home.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Plots {
+    /// Which plots are seen.
+    pub tab: Tab,
     /// Whether the vertical axes are logarithmic.
     pub log: bool,
     /// Which of [`GROUPS`] are drawn.
@@ -127,17 +145,27 @@ pub struct Plots {
     pub level: Option<usize>,
     /// The metric, by its name.
     pub metric: String,
+    /// The line of cells.
+    pub line: LineChoice,
+    /// What run time is set against.
+    pub pareto: ParetoChoice,
+    /// Size and colours of exports.
+    pub format: Format,
 }
 
 impl Default for Plots {
     fn default() -> Self {
         Plots {
+            tab: Tab::default(),
             log: true,
             groups: [true, true, false],
             average: true,
             maximum: true,
             level: None,
             metric: Metric::Thesis.name().to_owned(),
+            line: LineChoice::default(),
+            pareto: ParetoChoice::default(),
+            format: Format::default(),
         }
     }
 }
@@ -183,7 +211,7 @@ impl Plots {
             });
             name(&choice.response, "Error level");
         });
-        let menu = ui.menu_button("Curves", |ui| {
+        let menu = lasting_menu(ui, "Curves", |ui| {
             for (group, drawn) in GROUPS.iter().zip(&mut self.groups) {
                 ui.checkbox(drawn, group.title);
             }
@@ -194,7 +222,7 @@ impl Plots {
             ui.checkbox(&mut self.log, "Log axis")
                 .on_hover_text("A logarithmic vertical axis; errors of zero are left out");
         });
-        menu.response.on_hover_text("Which errors are drawn, and how");
+        menu.on_hover_text("Which errors are drawn, and how");
     }
 }
 

@@ -1,6 +1,6 @@
 //! The size and the colours in which plots and pictures are taken home.
 
-use egui::{ComboBox, DragValue, Ui};
+use egui::{DragValue, Ui};
 use serde::{Deserialize, Serialize};
 
 use super::controls::name;
@@ -114,22 +114,21 @@ impl Format {
 
     /// The controls.
     pub fn ui(&mut self, ui: &mut Ui) {
-        ui.horizontal(|ui| {
-            ui.label("Size");
-            let combo = ComboBox::from_id_salt("export size").selected_text(self.size.name()).width(150.0);
-            let combo = combo.show_ui(ui, |ui| {
-                for size in Size::ALL {
-                    ui.selectable_value(&mut self.size, size, size.name());
-                }
-            });
-            name(&combo.response, "Export size");
-            if self.size == Size::Own {
+        ui.label("Size of pictures");
+        for size in Size::ALL {
+            ui.radio_value(&mut self.size, size, size.name());
+        }
+        ui.add_enabled_ui(self.size == Size::Own, |ui| {
+            ui.horizontal(|ui| {
+                ui.add_space(20.0);
                 let [width, height] = &mut self.own;
                 name(&ui.add(DragValue::new(width).range(SIDES).suffix(" px")), "Export width");
                 ui.label("×");
                 name(&ui.add(DragValue::new(height).range(SIDES).suffix(" px")), "Export height");
-            }
-            ui.separator();
+            });
+        });
+        ui.horizontal(|ui| {
+            ui.label("Colours");
             ui.radio_value(&mut self.dark, false, "Light").on_hover_text("Dark on light, for paper");
             ui.radio_value(&mut self.dark, true, "Dark").on_hover_text("Light on dark, for a screen");
         });

@@ -61,7 +61,7 @@ pub struct Manner<'a> {
     pub theme: &'a Theme,
     /// Theirs.
     pub scales: &'a Scales,
-    /// Squares to frame.
+    /// Rectangles to frame.
     pub marks: &'a [Mark],
 }
 
@@ -152,8 +152,9 @@ impl Grids {
         painter.rect_filled(rect, 0.0, color(theme.ground));
         painter.add(Shape::mesh(mesh));
         for mark in marks.iter().filter(|mark| mark.pane.is_none_or(|pane| pane == i)) {
-            let square = placing.square(mark.column, mark.row, mark.span);
-            painter.rect_stroke(square, 0.0, (1.5, mark.color), egui::StrokeKind::Middle);
+            let low = placing.at(mark.column as f32, mark.row as f32);
+            let high = placing.at((mark.column + mark.size[0]) as f32, (mark.row + mark.size[1]) as f32);
+            painter.rect_stroke(Rect::from_two_pos(low, high), 0.0, (1.5, mark.color), egui::StrokeKind::Middle);
         }
         frame_text(ui, rect, shown, title, theme, &placing);
         let at = placing.cell_at(response.hover_pos()?, shown.slice.side)?;
@@ -186,7 +187,7 @@ impl Grids {
     }
 }
 
-/// A square to frame.
+/// A rectangle to frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mark {
     /// The view, or all of them.
@@ -195,8 +196,8 @@ pub struct Mark {
     pub column: usize,
     /// Its lower side, in finest cells.
     pub row: usize,
-    /// Its side, in finest cells.
-    pub span: usize,
+    /// Its width and height, in finest cells.
+    pub size: [usize; 2],
     /// Its colour.
     pub color: Color32,
 }

@@ -8,12 +8,15 @@ use egui::Context;
 
 use super::closing::Next;
 use super::compare::{Comparison, Rival};
+use super::critical::Critical;
 use super::document::Document;
 use super::errors::Run;
 use super::files::Files;
 use super::glyphs::Scales;
 use super::grids::{Grids, Pointed};
+use super::line::Profiles;
 use super::look::{Cloud, Look, Pin, PinSample, Shown};
+use super::pareto::Pareto;
 use super::settings::Settings;
 use super::space::Space;
 use super::style;
@@ -45,6 +48,9 @@ pub struct Lab {
     /// The scene that runs, once the worker has it.
     pub(super) scene: Option<Arc<Scene>>,
     pub(super) truth: Truth,
+    pub(super) profiles: Profiles,
+    pub(super) pareto: Pareto,
+    pub(super) critical: Critical,
     pub(super) progress: Progress,
     /// What the last action changed.
     pub(super) change: Option<Change>,
@@ -99,6 +105,9 @@ impl Lab {
             document: Document::new(preset, path),
             scene: None,
             truth: Truth::default(),
+            profiles: Profiles::default(),
+            pareto: Pareto::default(),
+            critical: Critical::default(),
             progress: Progress::default(),
             change: None,
             runs: Vec::new(),
@@ -164,7 +173,11 @@ impl Lab {
     /// Whether nothing is being computed or waited for.
     pub fn is_idle(&self) -> bool {
         let running = self.waiting.is_some() || self.progress.until.is_some() || self.playing.is_some();
-        self.answered && !running && self.progress.behind == 0 && !self.truth.is_underway()
+        let aside = self.truth.is_underway()
+            || self.profiles.is_underway()
+            || self.pareto.is_underway()
+            || self.critical.is_underway();
+        self.answered && !running && !aside && self.progress.behind == 0
     }
 
     /// Whether the results were made from the scene as it is now.

@@ -42,6 +42,9 @@ impl Lab {
         }
         self.drop_files(ctx);
         self.seek_truth(ctx);
+        self.seek_profiles(ctx);
+        self.hear_pareto(ctx);
+        self.watch_factors(ctx);
         let look = self.look();
         if self.asked.as_ref() != Some(&look) {
             self.worker.order(Order::Look(look.clone()));

@@ -85,6 +85,7 @@ pub fn menu(harness: &mut Window, names: &[&str]) {
 pub fn answer(harness: &mut Window, path: &Path, confirm: &str) {
     harness.run_steps(2);
     let field = harness.get_by_role_and_label(Role::TextInput, "File");
+    field.focus();
     field.set_text_value_accesskit("");
     harness.run_steps(2);
     harness.get_by_role_and_label(Role::TextInput, "File").type_text(path.to_str().unwrap());

@@ -5,6 +5,7 @@
 mod compare;
 mod driver;
 mod drops;
+mod exports;
 mod plots;
 
 use driver::*;

@@ -4,7 +4,7 @@ use egui::{Color32, Ui, vec2};
 use egui_plot::{Corner, HoverPosition, Legend, Line, LineStyle, MarkerShape, Plot, PlotPoints, Points, VLine};
 
 use super::{Group, Plots, Run};
-use crate::app::axis::{decades, iterations_apart, power_of_ten};
+use crate::app::axis::{decades, iterations_apart, from_logarithm};
 use crate::app::controls::name;
 use crate::app::mesh::color;
 use crate::report::colour::Theme;
@@ -62,7 +62,7 @@ impl Plots {
             )
             .label_formatter(move |position| Some(read_out(position, log)));
         plot = match log {
-            true => plot.y_grid_spacer(decades).y_axis_formatter(|mark, _| power_of_ten(mark.value)),
+            true => plot.y_grid_spacer(decades).y_axis_formatter(|mark, _| from_logarithm(mark.value)),
             false => plot.include_y(0.0),
         };
         let response = plot.show(ui, |plot| {
