@@ -20,7 +20,7 @@ use crate::report::colour::Theme;
 use crate::report::glyph::Hue;
 use crate::report::plot::{Curve, Dash, Figure, Mark, Plot as PaperPlot};
 use crate::report::slice::Axis;
-use crate::report::table::Table;
+use crate::report::table::{Table, Value};
 use crate::scene::Scene;
 use crate::study::profile::{Line, Policies};
 
@@ -132,7 +132,7 @@ impl Course {
             x_label: format!("cell along {}", self.axis),
             y_label: "c00, SH coefficient".to_owned(),
             log_y: log,
-            curves: self.curves.iter().enumerate().map(curve).collect(),
+            curves: self.curves.iter().enumerate().filter(|(_, (_, points))| !points.is_empty()).map(curve).collect(),
             marks: self.borders.iter().map(mark).collect(),
         };
         Figure { title: title.to_owned(), plots: vec![plot], theme: format.theme(), size: format.figure(1) }
@@ -141,16 +141,21 @@ impl Course {
     /// As a table: a row for each cell.
     pub fn table(&self) -> Table<4> {
         let mut table = Table::new(["cell", "uniform", "same", "consistent"]);
-        let [uniform, same, consistent] = [0, 1, 2].map(|i| self.curves[i].1.as_slice());
-        for ((uniform, same), consistent) in uniform.iter().zip(same).zip(consistent) {
-            table.push([(uniform[0] as usize).into(), uniform[1].into(), same[1].into(), consistent[1].into()]);
+        for (i, [_, uniform]) in self.curves[0].1.iter().enumerate() {
+            let light = |curve: usize| {
+                let point = self.curves.get(curve).and_then(|(_, points)| points.get(i));
+                point.map_or(Value::Text(String::new()), |[_, c00]| Value::Number(*c00))
+            };
+            table.push([i.into(), Value::Number(*uniform), light(1), light(2)]);
         }
         table
     }
 
     fn ui(&self, ui: &mut Ui, log: bool, theme: &Theme) {
-        let named = self.curves.iter().enumerate();
-        legend_row(ui, named.map(|(i, (name, _))| (color(theme.curve(i)), (*name).to_owned())));
+        let named = self.curves.iter().enumerate().filter(|(_, (_, points))| !points.is_empty());
+        let named = named.map(|(i, (name, _))| (color(theme.curve(i)), (*name).to_owned()));
+        let borders = (color(theme.muted), "dotted: another level is sampled, its number to the right".to_owned());
+        legend_row(ui, named.chain([borders]));
         let shown = |y: f64| if log { y.log10() } else { y };
         let mut plot = Plot::new("light along a line")
             .x_axis_label(format!("Cell along {}", self.axis))
@@ -170,23 +175,27 @@ impl Course {
             true => plot.y_grid_spacer(decades).y_axis_formatter(|mark, _| from_logarithm(mark.value)),
             false => plot.include_y(0.0),
         };
-        let drawn = |points: &[[f64; 2]]| -> Vec<[f64; 2]> {
-            points.iter().filter(|[_, y]| !log || *y > 0.0).map(|[x, y]| [*x, shown(*y)]).collect()
-        };
-        let all = self.curves.iter().flat_map(|(_, points)| drawn(points));
-        let top = all.map(|[_, y]| y).fold(f64::NEG_INFINITY, f64::max);
+        let all = self.curves.iter().flat_map(|(_, points)| points);
+        let top = shown(all.map(|[_, y]| *y).fold(0.0, f64::max));
         let response = plot.show(ui, |plot| {
             for (x, level) in &self.borders {
                 let border = VLine::new("", *x).color(color(theme.muted)).width(1.0);
                 plot.vline(border.style(LineStyle::dotted_dense()).allow_hover(false));
-                let text = egui::RichText::new(format!(" level {level}")).color(color(theme.muted)).size(10.5);
+                let text = egui::RichText::new(format!(" {level}")).color(color(theme.muted)).size(10.5);
                 let text = egui_plot::Text::new("", PlotPoint::new(*x, top), text);
-                plot.text(text.anchor(egui::Align2::LEFT_BOTTOM).allow_hover(false));
+                plot.text(text.anchor(egui::Align2::LEFT_TOP).allow_hover(false));
             }
             for (i, (name, points)) in self.curves.iter().enumerate() {
-                let line = egui_plot::Line::new(*name, PlotPoints::new(drawn(points))).color(color(theme.curve(i)));
-                let style = if i == 0 { LineStyle::dotted_dense() } else { LineStyle::Solid };
-                plot.line(line.width(if i == 0 { 3.0 } else { 1.6 }).style(style));
+                let (width, style) = match i {
+                    0 => (3.0, LineStyle::dotted_dense()),
+                    _ => (1.6, LineStyle::Solid),
+                };
+                // Darkness has no logarithm: it interrupts the line.
+                for run in points.split(|[_, y]| log && *y <= 0.0).filter(|run| !run.is_empty()) {
+                    let run: Vec<[f64; 2]> = run.iter().map(|[x, y]| [*x, shown(*y)]).collect();
+                    let line = egui_plot::Line::new(*name, PlotPoints::new(run)).color(color(theme.curve(i)));
+                    plot.line(line.width(width).style(style));
+                }
             }
         });
         name(&response.response, "Light along the line");

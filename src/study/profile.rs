@@ -31,45 +31,54 @@ impl Line {
 /// A scene under every policy for its levels, after the same iterations.
 #[derive(Clone, Debug)]
 pub struct Policies {
-    /// In the order of [`Policy::ALL`]. Their finest levels are alike: each is the uniform volume.
-    runs: Vec<Simulation<f32>>,
+    /// Their finest levels are alike: each is the uniform volume.
+    runs: Vec<(Policy, Simulation<f32>)>,
 }
 
 impl Policies {
-    /// The scene with its light injected, and nothing propagated yet.
+    /// The scene with its light injected, and nothing propagated yet. A policy that the factor is too large for is
+    /// left out.
     pub fn new(scene: &Scene) -> Result<Self, SimulationError> {
-        let start = |levels: Policy| {
+        let mut runs = Vec::new();
+        for levels in Policy::ALL {
             let propagation = Propagation { levels, ..scene.propagation.clone() };
-            let mut run = Simulation::new(Scene { propagation, ..scene.clone() })?;
+            let mut run = match Simulation::new(Scene { propagation, ..scene.clone() }) {
+                Err(SimulationError::TooLarge(_)) => continue,
+                run => run?,
+            };
             for action in [Action::Clear, Action::Inject, Action::Downsample] {
                 run.act(action);
             }
-            Ok(run)
-        };
-        Ok(Policies { runs: Policy::ALL.into_iter().map(start).collect::<Result<_, SimulationError>>()? })
+            runs.push((levels, run));
+        }
+        Ok(Policies { runs })
+    }
+
+    fn first(&self) -> Option<&Simulation<f32>> {
+        self.runs.first().map(|(_, run)| run)
     }
 
     /// Iterations done.
     pub fn iteration(&self) -> usize {
-        self.runs.first().map_or(0, Simulation::iteration)
+        self.first().map_or(0, Simulation::iteration)
     }
 
     /// Goes on until so many iterations are done, or until the light of one of the runs diverges. `watch` hears of
     /// each and returns whether to go on.
     pub fn advance(&mut self, iterations: usize, mut watch: impl FnMut(usize) -> bool) {
         while self.iteration() < iterations && watch(self.iteration()) {
-            for run in &mut self.runs {
+            for (_, run) in &mut self.runs {
                 run.act(Action::Propagate);
             }
-            if self.runs.iter().any(|run| run.divergence().is_some()) {
+            if self.runs.iter().any(|(_, run)| run.divergence().is_some()) {
                 break;
             }
         }
     }
 
-    /// The merged light along a line under a policy, red, green and blue.
+    /// The merged light along a line under a policy, red, green and blue; empty where that is left out.
     pub fn merged(&self, policy: Policy, line: Line) -> Vec<[Sh<f32>; 3]> {
-        let run = Policy::ALL.into_iter().zip(&self.runs).find(|(known, _)| *known == policy);
+        let run = self.runs.iter().find(|(known, _)| *known == policy);
         run.map_or_else(Vec::new, |(_, run)| {
             along(run, line, |channel, cell| {
                 let level = run.index().index(cell);
@@ -80,7 +89,7 @@ impl Policies {
 
     /// The light of the uniform volume along a line, red, green and blue.
     pub fn uniform(&self, line: Line) -> Vec<[Sh<f32>; 3]> {
-        self.runs.first().map_or_else(Vec::new, |run| {
+        self.first().map_or_else(Vec::new, |run| {
             let finest: Vec<&Grid<f32>> = run.lights().iter().map(|light| light.accumulated.level(0)).collect();
             along(run, line, |channel, cell| finest[channel].get(cell))
         })
@@ -88,8 +97,7 @@ impl Policies {
 
     /// The level that each cell of a line is sampled from.
     pub fn levels(&self, line: Line) -> Vec<usize> {
-        let run = self.runs.first();
-        run.map_or_else(Vec::new, |run| (0..run.sizes().finest()).map(|i| run.index().index(line.cell(i))).collect())
+        self.first().map_or_else(Vec::new, |run| (0..run.sizes().finest()).map(|i| run.index().index(line.cell(i))).collect())
     }
 }
 
@@ -142,6 +150,15 @@ mod tests {
             (merged[5][0].0[0] / ought).ln().abs()
         };
         assert!(jump(Policy::Consistent) < jump(Policy::Same));
+    }
+
+    #[test]
+    fn a_policy_that_the_factor_is_too_large_for_is_left_out() {
+        let text = "(version: 1, size: 16, injectors: [(kind: Wall(side: NegX))], propagation: (factor: 9.0))";
+        let preset = Preset::parse(text, Path::new("test")).unwrap();
+        let policies = Policies::new(&Scene::build(&preset, Path::new("")).unwrap()).unwrap();
+        assert_eq!(policies.merged(Policy::Same, LINE).len(), 16);
+        assert!(policies.merged(Policy::Consistent, LINE).is_empty());
     }
 
     #[test]
