@@ -91,7 +91,7 @@ impl Format {
 
     /// Width and height of a figure of so many plots below each other, in CSS pixels.
     pub fn figure(&self, plots: usize) -> [u32; 2] {
-        let each = if self.size == Size::Column { 52.0 } else { 62.0 };
+        let each = if self.size == Size::Column { 58.0 } else { 62.0 };
         let follows = (PER_MM * (10.0 + each * plots.max(1) as f64)).round() as u32;
         [self.width(), self.height().unwrap_or(follows)]
     }

@@ -32,6 +32,15 @@ impl Light {
         }
     }
 
+    /// Its symbol after iteration `k`, where there is little room.
+    pub fn letter(self, k: usize) -> String {
+        match self {
+            Light::Source => format!("S_{k}"),
+            Light::Target => k.checked_sub(1).map_or("empty".to_owned(), |k| format!("S_{k}")),
+            Light::Accumulated => "S_A".to_owned(),
+        }
+    }
+
     /// Its symbol after iteration `k`.
     pub fn symbol(self, k: usize) -> String {
         match self {

@@ -188,11 +188,11 @@ impl<'a> Legend<'a> {
     /// What stands beside that circle, in lines that fit below a panel.
     pub fn scale_text(&self, scale: GlyphScale, seen: Seen, width: f64) -> Vec<String> {
         let mut text = match scale {
-            GlyphScale::Linear { full } => format!("full cell: {} sr⁻¹", short(f64::from(full), 2)),
+            GlyphScale::Linear { full } => format!("full cell: {}\u{a0}sr⁻¹", short(f64::from(full), 2)),
             GlyphScale::Log { full, decades } => {
                 let least = f64::from(full) * 10f64.powf(-f64::from(decades));
                 format!(
-                    "logarithmic; full cell: {} sr⁻¹, none below {} sr⁻¹",
+                    "logarithmic; full cell: {}\u{a0}sr⁻¹, none below {}\u{a0}sr⁻¹",
                     short(f64::from(full), 2),
                     short(least, 2)
                 )

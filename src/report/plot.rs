@@ -103,7 +103,8 @@ impl Figure {
         let beside = if widest > 0.0 && !narrow { (widest + 4.2 * em).min(0.36 * width) } else { 0.0 };
         let below = self.legends(if narrow { width - 2.0 * margin } else { f64::INFINITY }, em);
         let lines = if narrow { below.iter().map(Vec::len).sum::<usize>() as f64 } else { 0.0 };
-        let each = (height - margin - top - 1.5 * em * lines) / self.plots.len().max(1) as f64;
+        let legends = if narrow { below.iter().filter(|rows| !rows.is_empty()).count() as f64 } else { 0.0 };
+        let each = (height - margin - top - (1.5 * lines + 0.7 * legends) * em) / self.plots.len().max(1) as f64;
         let axes: Vec<[Axis; 2]> = self.plots.iter().map(Plot::axes).collect();
         // All plots begin at the same distance from the left, so that their x axes can be compared.
         let labels = axes.iter().flat_map(|[_, y]| y.ticks(8)).filter_map(|tick| tick.label);
@@ -117,7 +118,8 @@ impl Figure {
             self.draw_axes(&mut svg, plot, &frame);
             frame.draw_curves(&mut svg, plot, &self.theme);
             top += each;
-            if narrow {
+            if narrow && !legend.is_empty() {
+                top += 0.7 * em;
                 for row in legend {
                     let mut x = margin;
                     for entry in row {
@@ -126,7 +128,7 @@ impl Figure {
                     }
                     top += 1.5 * em;
                 }
-            } else {
+            } else if !narrow {
                 let x = corner[0] + size[0] + 1.4 * em;
                 for (line, entry) in legend.iter().flatten().enumerate() {
                     let y = corner[1] + em * (0.6 + 1.5 * line as f64);

@@ -76,13 +76,14 @@ pub fn text_width(text: &str, size: f64) -> f64 {
     size * text.chars().map(ems).sum::<f64>()
 }
 
-/// A text in lines that are no wider than `width` pixels, broken between words; a word that is wider stands alone.
+/// A text in lines that are no wider than `width` pixels, broken at its spaces but
+/// not at no-break spaces; a word that is wider stands alone.
 pub fn wrapped(text: &str, size: f64, width: f64) -> Vec<String> {
     if text_width(text, size) <= width {
         return vec![text.to_owned()];
     }
     let mut lines: Vec<String> = Vec::new();
-    for word in text.split_whitespace() {
+    for word in text.split(' ').filter(|word| !word.is_empty()) {
         match lines.last_mut() {
             Some(line) if text_width(&format!("{line} {word}"), size) <= width => {
                 line.push(' ');

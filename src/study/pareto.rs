@@ -11,36 +11,25 @@
 //! Times are medians over rounds in which all ways take turns. They hold all that is computed between the
 //! injected and the merged light, but not the making of the grids.
 
-use std::time::Instant;
+mod way;
 
 use glam::DVec3;
 
 use super::ballistic::{self, Ballistic, BestFit};
 use super::{converged, error, reference};
 use crate::field::{Grid, Layout};
-use crate::propagate::levels::Policy;
-use crate::propagate::ordinates::Ordinates;
-use crate::propagate::ordinates::directions::Lattice;
-use crate::propagate::ordinates::shares::Rule;
 use crate::propagate::scheme;
-use crate::scene::preset::Snapshots;
 use crate::scene::{Occlusion, Propagation, Scene, Source};
 use crate::sh::Sh;
-use crate::simulation::options::Wanted;
-use crate::simulation::{Light, Simulation, SimulationError};
+use crate::simulation::{Simulation, SimulationError};
+use way::{Way, iterated, ways, with};
 
-/// Iterations after which a scheme is looked at.
-const ITERATIONS: [usize; 6] = [1, 2, 4, 8, 16, 32];
-/// The same, on a scene that is given.
+/// Iterations after which schemes are looked at on a scene that is given.
 const FEW_ITERATIONS: [usize; 5] = [1, 2, 4, 8, 16];
 /// Iterations that stand for the fixed point where none is solved for.
 const FOR_EVER: usize = 400;
-/// Relative residuals to which fixed points are solved for.
-const TOLERANCES: [f64; 2] = [1e-2, 1e-4];
 /// The relative residual of the reference.
 const REFERENCE_TOLERANCE: f64 = 1e-5;
-/// Sets of directions: about so many.
-const DIRECTIONS: [usize; 5] = [24, 48, 72, 128, 192];
 
 /// What to measure.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,23 +61,6 @@ pub struct Row {
     pub reference: &'static str,
     /// The error as it is, and after the scalar that fits best.
     pub l1: BestFit,
-}
-
-/// The light of a way, and where it came from.
-struct Outcome {
-    /// Everything, for the uniform reference; `None` where there is no such volume.
-    all: Option<Vec<Grid<f32>>>,
-    /// What has moved, for the ballistic one.
-    moved: Vec<Grid<f32>>,
-    iterations: usize,
-    seconds: f64,
-}
-
-/// A way to get at the light.
-enum Way {
-    Iterate { scheme: &'static str, levels: &'static str, iterations: usize },
-    Solve { scheme: &'static str, tolerance: f64 },
-    Ordinates(Lattice, Ordinates),
 }
 
 /// Measures every way; `watch` hears what is measured.
@@ -199,87 +171,6 @@ fn measure_ways(
     Ok(Some(rows))
 }
 
-/// A scheme with each policy for its levels, and on the finest level alone.
-fn iterated(scheme: &'static str, iterations: &[usize]) -> Vec<Way> {
-    let levels = ["uniform", Policy::Same.name(), Policy::Consistent.name()];
-    let each = |levels| iterations.iter().map(move |&iterations| Way::Iterate { scheme, levels, iterations });
-    levels.into_iter().flat_map(each).collect()
-}
-
-fn ways() -> Vec<Way> {
-    let mut ways = Vec::new();
-    for scheme in scheme::names() {
-        ways.extend(iterated(scheme, &ITERATIONS));
-        ways.extend(TOLERANCES.map(|tolerance| Way::Solve { scheme, tolerance }));
-    }
-    for lattice in Lattice::ALL {
-        for rule in Rule::ALL {
-            ways.extend(DIRECTIONS.map(|count| Way::Ordinates(lattice, Ordinates::new(lattice, count, rule))));
-        }
-    }
-    ways
-}
-
-impl Way {
-    fn scheme(&self) -> String {
-        match self {
-            Way::Iterate { scheme, .. } | Way::Solve { scheme, .. } => (*scheme).to_owned(),
-            Way::Ordinates(lattice, ordinates) => {
-                format!("ordinates-{}-{}-{}", lattice.name(), ordinates.rule().name(), ordinates.count())
-            }
-        }
-    }
-
-    fn levels(&self) -> &'static str {
-        match self {
-            Way::Iterate { levels, .. } => levels,
-            Way::Solve { .. } => "converged",
-            Way::Ordinates(..) => "uniform",
-        }
-    }
-
-    /// From the scene to its light; `injected` holds what of it has not moved.
-    fn go(&self, scene: &Scene, injected: &Simulation<f32>) -> Result<Outcome, converged::Refusal> {
-        match self {
-            Way::Iterate { scheme, levels, iterations } => {
-                let mut simulation = Simulation::<f32>::new(with(scene, scheme, levels, *iterations))?;
-                let started = Instant::now();
-                simulation.run_all(Wanted::Merged);
-                let seconds = started.elapsed().as_secs_f64();
-                let merged = simulation.lights().iter().filter_map(|light| light.merged.clone());
-                Ok(Outcome::new(injected, merged.collect(), *iterations, seconds))
-            }
-            Way::Solve { scheme, tolerance } => {
-                let scene = with(scene, scheme, "uniform", 0);
-                let started = Instant::now();
-                let found = converged::solve(&scene, *tolerance, |_| true)?;
-                let seconds = started.elapsed().as_secs_f64();
-                let (light, cycles) = found.map_or((Vec::new(), 0), |found| (found.light, found.cycles));
-                Ok(Outcome::new(injected, light, cycles, seconds))
-            }
-            Way::Ordinates(_, ordinates) => {
-                let solve = |light: &Light<f32>| ordinates.solve(light.source.level(0), None);
-                let started = Instant::now();
-                let moved = injected.lights().iter().map(solve).collect();
-                Ok(Outcome { all: None, moved, iterations: 1, seconds: started.elapsed().as_secs_f64() })
-            }
-        }
-    }
-}
-
-impl Outcome {
-    /// Of all light, what has moved is without the injected one.
-    fn new(injected: &Simulation<f32>, all: Vec<Grid<f32>>, iterations: usize, seconds: f64) -> Self {
-        let mut moved = all.clone();
-        for (moved, light) in moved.iter_mut().zip(injected.lights()) {
-            for (cell, value) in light.source.level(0).iter().filter(|(_, value)| !value.is_zero()) {
-                moved.set(cell, moved.get(cell) - value);
-            }
-        }
-        Outcome { all: Some(all), moved, iterations, seconds }
-    }
-}
-
 /// The fixed point of the uniform volume, solved for or iterated; `None` once `go_on` does not want to.
 fn fixed_point(scene: &Scene, go_on: &mut dyn FnMut() -> bool) -> Result<Option<Vec<Grid<f32>>>, SimulationError> {
     if let Ok(found) = converged::solve(scene, REFERENCE_TOLERANCE, |_| go_on()) {
@@ -292,21 +183,6 @@ fn fixed_point(scene: &Scene, go_on: &mut dyn FnMut() -> bool) -> Result<Option<
         wanted
     });
     Ok(wanted.then(|| reference::uniform(&simulation)))
-}
-
-/// The scene under a scheme: `levels` is uniform for a single level, or a policy's name. The sum counts the
-/// injected light, as the fixed point does.
-fn with(scene: &Scene, scheme: &str, levels: &str, iterations: usize) -> Scene {
-    let policy = Policy::ALL.into_iter().find(|policy| policy.name() == levels);
-    let propagation = Propagation {
-        scheme: scheme.to_owned(),
-        iterations,
-        levels: policy.unwrap_or_default(),
-        snapshots: Snapshots::Thesis,
-        ..scene.propagation.clone()
-    };
-    let coarsest = if policy.is_some() { scene.coarsest } else { scene.size };
-    Scene { coarsest, propagation, ..scene.clone() }
 }
 
 fn scene(size: usize, sources: Vec<Source>, factor: f64) -> Scene {
@@ -336,6 +212,7 @@ fn scenes(n: usize) -> [(&'static str, Vec<Source>); 3] {
 
 #[cfg(test)]
 mod tests {
+    use super::way::ITERATIONS;
     use super::*;
 
     #[test]

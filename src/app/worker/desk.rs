@@ -1,5 +1,6 @@
 //! The worker's own end: the tracks, the run in progress and the orders as they come in.
 
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvError, Sender, TryRecvError};
@@ -41,8 +42,8 @@ pub struct Desk {
     pictured: Option<Instant>,
     /// What is measured against; it is that of the scene that runs.
     truth: Option<Arc<Ballistic>>,
-    /// The first of the past iterations that are still to be measured against it.
-    unmeasured: Option<usize>,
+    /// The past iterations that are still to be measured against it: those that were there before it.
+    unmeasured: Range<usize>,
 }
 
 impl Desk {
@@ -68,7 +69,7 @@ impl Desk {
             seconds: 0.0,
             pictured: None,
             truth: None,
-            unmeasured: None,
+            unmeasured: 0..0,
         }
     }
 
@@ -79,7 +80,7 @@ impl Desk {
                 // What the panic left half done is not to be shown.
                 self.tracks.clear();
                 self.run = None;
-                self.unmeasured = None;
+                self.unmeasured = 0..0;
                 self.tell(News::Failed("the computation broke down; edit the scene or run it again".to_owned()));
             }
         }
@@ -88,7 +89,7 @@ impl Desk {
     /// The orders that are to be followed now; none while work in progress has nothing in its way.
     fn wait(&self) -> Result<Vec<(u64, Order)>, RecvError> {
         let mut orders = Vec::new();
-        if self.run.is_none() && self.unmeasured.is_none() {
+        if self.run.is_none() && self.unmeasured.is_empty() {
             orders.push(self.inbox.recv()?);
         }
         loop {
@@ -146,6 +147,7 @@ impl Desk {
                     self.tell(News::Failed(format!("iteration {k} is no longer remembered; run the scene again")));
                 }
                 self.merged = false;
+                self.unmeasured.end = self.unmeasured.end.min(self.iteration());
                 self.tell_progress(None);
                 self.picture(false);
             }
@@ -179,33 +181,24 @@ impl Desk {
         let scene = self.tracks.first().map(|track| track.now().scene());
         self.truth = truth.filter(|truth| scene.is_some_and(|scene| truth.is_of(scene)));
         let oldest = self.tracks.iter().map(Track::oldest).max().unwrap_or(0);
-        self.unmeasured = self.truth.as_ref().map(|_| oldest);
+        self.unmeasured = if self.truth.is_some() { oldest..self.iteration() } else { 0..0 };
     }
 
     /// Measures one of the iterations that were there before the reference.
     fn catch_up(&mut self) {
-        let Some(iteration) = self.unmeasured else { return };
-        let now = self.iteration();
-        self.unmeasured = (iteration + 1 < now).then_some(iteration + 1);
-        if iteration >= now {
-            return self.tell_progress(None);
-        }
+        let Some(iteration) = self.unmeasured.next() else { return };
         let truth = self.truth.as_deref();
         let errors = self.tracks.iter_mut().map(|track| {
             let state = track.at(Some(iteration));
             state.map(|state| Measured::of(state, truth)).unwrap_or_default()
         });
         let errors = errors.collect();
-        self.tell(News::Measured { iteration, errors, behind: self.behind() });
-    }
-
-    fn behind(&self) -> usize {
-        self.unmeasured.map_or(0, |iteration| self.iteration().saturating_sub(iteration))
+        self.tell(News::Measured { iteration, errors, behind: self.unmeasured.len() });
     }
 
     fn load(&mut self, load: &Load) {
         self.tracks.clear();
-        self.unmeasured = None;
+        self.unmeasured = 0..0;
         self.run = None;
         self.merged = false;
         match self.tracks_of(load) {
@@ -284,7 +277,7 @@ impl Desk {
             brightest: self.brightest,
             seconds: self.seconds,
             visited: track.now().work().share(),
-            behind: self.behind(),
+            behind: self.unmeasured.len(),
         };
         let measure = |track: &Track| Measured::of(track.now(), self.truth.as_deref());
         let errors = match progress.lit {

@@ -38,14 +38,7 @@ pub struct Plan {
 
 impl Plan {
     /// Places a picture `width` pixels wide, and as high as given or as it takes, with text `em` pixels high.
-    pub fn new(
-        picture: &Picture,
-        width: f64,
-        height: Option<f64>,
-        em: f64,
-        legend: &Legend,
-        seen: &[Seen],
-    ) -> Self {
+    pub fn new(picture: &Picture, width: f64, height: Option<f64>, em: f64, legend: &Legend, seen: &[Seen]) -> Self {
         let plans = (1..=picture.panels.len().max(1)).rev();
         let plans = plans.map(|columns| Plan::with_columns(picture, width, height, em, legend, seen, columns));
         let mut best: Option<Plan> = None;
