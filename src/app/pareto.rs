@@ -13,7 +13,7 @@ use super::errand::Errand;
 use super::format::Format;
 use super::lab::Lab;
 use super::mesh::color;
-use super::plots::legend_row;
+use super::plots::{legend_row, small_row};
 use super::toolbar;
 use crate::propagate::scheme;
 use crate::report::colour::Theme;
@@ -199,8 +199,11 @@ impl Lab {
         }
         let schemes = scheme::names().into_iter().enumerate();
         legend_row(ui, schemes.map(|(i, scheme)| (color(theme.curve(i)), scheme.to_owned())));
-        ui.horizontal_wrapped(|ui| {
-            LEVELS.iter().for_each(|(_, _, text)| drop(ui.small(*text)));
+        small_row(ui, |ui| {
+            for (_, _, text) in LEVELS {
+                ui.small(text);
+                ui.add_space(8.0);
+            }
             ui.small("— what nothing beats in both");
         });
         let logged = |row: &Row| point(row).map(f64::log10);
