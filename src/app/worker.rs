@@ -154,11 +154,11 @@ pub struct Worker {
 
 impl Worker {
     /// Starts the thread; `wake` is called after each of its news.
-    pub fn start(budget: usize, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
+    pub fn start(budget: usize, wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
         let (orders, inbox) = channel();
         let (outbox, news) = channel();
         std::thread::Builder::new().name("worker".to_owned()).spawn(move || {
-            desk::Desk::new(inbox, outbox, Box::new(wake), budget).work();
+            desk::Desk::new(inbox, outbox, Arc::new(wake), budget).work();
         })?;
         Ok(Worker { orders, news, generation: 0 })
     }
@@ -277,17 +277,19 @@ mod tests {
         let preset = Preset::parse(text, Path::new("test")).unwrap();
         let start = Start::To { iteration: 1000, merge: true };
         worker.order(Order::Load(Box::new(Load { preset, folder: PathBuf::new(), others: Vec::new(), start })));
-        let (mut warned, mut reached) = (false, 0);
-        let line = loop {
+        let (mut warning, mut failure, mut reached) = (None, None, 0);
+        while warning.is_none() || failure.is_none() {
             let news = wait(&worker, |news| Some(news.clone()));
             match news {
-                News::Warned(line) => warned = line.contains("level 0 (4³)"),
+                News::Warned(line) => warning = Some(line),
                 News::Done { progress, .. } => reached = progress.iteration,
-                News::Failed(line) => break line,
+                News::Failed(line) => failure = Some(line),
                 _ => {}
             }
-        };
-        assert!(warned && line.contains(&format!("iteration {} could take level 0", reached + 1)), "{line}");
+        }
+        assert!(warning.unwrap().contains("level 0 (4³)"));
+        let line = failure.unwrap();
+        assert!(line.contains(&format!("iteration {} could take level 0", reached + 1)), "{line}");
         // The window lives on: another factor from the same light.
         worker.order(load(4, Start::To { iteration: 3, merge: false }));
         wait(&worker, |news| matches!(news, News::Done { progress, .. } if progress.iteration == 3).then_some(()));

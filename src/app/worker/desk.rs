@@ -29,7 +29,7 @@ struct Run {
 pub struct Desk {
     inbox: Receiver<(u64, Order)>,
     outbox: Sender<(u64, News)>,
-    wake: Box<dyn Fn() + Send>,
+    wake: Arc<dyn Fn() + Send + Sync>,
     generation: u64,
     tracks: Vec<Track>,
     run: Option<Run>,
@@ -51,7 +51,7 @@ impl Desk {
     pub fn new(
         inbox: Receiver<(u64, Order)>,
         outbox: Sender<(u64, News)>,
-        wake: Box<dyn Fn() + Send>,
+        wake: Arc<dyn Fn() + Send + Sync>,
         budget: usize,
     ) -> Self {
         Desk {
@@ -218,10 +218,22 @@ impl Desk {
             }
         }
         self.picture(false);
-        let warnings: Vec<String> =
-            self.tracks.iter().filter_map(|track| outlook::warning(track.now().scene())).collect();
-        if let Some(line) = warnings.into_iter().next() {
-            self.tell(News::Warned(line));
+        self.foretell();
+    }
+
+    /// Tells if light will not end well. That takes longer than many a run, so it does not hold one up.
+    fn foretell(&self) {
+        let scenes: Vec<Scene> = self.tracks.iter().map(|track| track.now().scene().clone()).collect();
+        let (outbox, wake, generation) = (self.outbox.clone(), Arc::clone(&self.wake), self.generation);
+        let work = move || {
+            if let Some(line) = scenes.iter().find_map(outlook::warning) {
+                // The window may be gone by now.
+                let _ = outbox.send((generation, News::Warned(line)));
+                wake();
+            }
+        };
+        if let Err(error) = std::thread::Builder::new().name("outlook".to_owned()).spawn(work) {
+            log::warn!("no thread for the outlook: {error}");
         }
     }
 
