@@ -41,7 +41,8 @@ impl Critical {
 /// The warning beneath a factor's field.
 pub fn warning(ui: &mut Ui, exceeded: Option<Exceeded>) {
     let Some(Exceeded { level, side, critical }) = exceeded else { return };
-    let text = format!("⚠ above {critical:.2}, the critical factor of level {level} ({side}³): its light grows without bound");
+    let text =
+        format!("⚠ above {critical:.2}, the critical factor of level {level} ({side}³): its light grows without bound");
     ui.add(egui::Label::new(RichText::new(text).color(ui.visuals().warn_fg_color)).wrap());
 }
 

@@ -7,7 +7,7 @@ use egui::{Context, DragValue, Ui};
 use egui_plot::{HoverPosition, LineStyle, Plot, PlotPoint, PlotPoints, VLine};
 use serde::{Deserialize, Serialize};
 
-use super::axis::{decades, iterations_apart, from_logarithm};
+use super::axis::{decades, from_logarithm, iterations_apart};
 use super::controls::name;
 use super::errand::Errand;
 use super::errors::Tab;

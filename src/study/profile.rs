@@ -97,7 +97,8 @@ impl Policies {
 
     /// The level that each cell of a line is sampled from.
     pub fn levels(&self, line: Line) -> Vec<usize> {
-        self.first().map_or_else(Vec::new, |run| (0..run.sizes().finest()).map(|i| run.index().index(line.cell(i))).collect())
+        self.first()
+            .map_or_else(Vec::new, |run| (0..run.sizes().finest()).map(|i| run.index().index(line.cell(i))).collect())
     }
 }
 

@@ -59,9 +59,9 @@ fn text_in_exported_pictures_is_never_smaller_than_six_points() {
             let document = resvg::usvg::roxmltree::Document::parse(&text).unwrap();
             // Exponents are smaller than the text that they belong to.
             let texts = document.descendants().filter(|n| n.has_tag_name("text"));
-            let sizes = texts.filter_map(|n| n.attribute("font-size")).map(|size| {
-                size.trim_end_matches("px").parse::<f64>().unwrap() * 72.0 / 96.0
-            });
+            let sizes = texts
+                .filter_map(|n| n.attribute("font-size"))
+                .map(|size| size.trim_end_matches("px").parse::<f64>().unwrap() * 72.0 / 96.0);
             let sizes: Vec<f64> = sizes.collect();
             let smallest = sizes.iter().copied().fold(f64::INFINITY, f64::min);
             assert!(sizes.len() > 10 && smallest >= 6.0, "{size}, {name}: {smallest} pt");

@@ -4,7 +4,7 @@ use egui::{Color32, Ui, vec2};
 use egui_plot::{Corner, HoverPosition, Legend, Line, LineStyle, MarkerShape, Plot, PlotPoints, Points, VLine};
 
 use super::{Group, Plots, Run};
-use crate::app::axis::{decades, iterations_apart, from_logarithm};
+use crate::app::axis::{decades, from_logarithm, iterations_apart};
 use crate::app::controls::name;
 use crate::app::mesh::color;
 use crate::report::colour::Theme;

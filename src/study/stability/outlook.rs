@@ -98,11 +98,7 @@ pub fn warning(scene: &Scene) -> Option<String> {
 }
 
 /// The scheme, the levels and their operators; none where the simulation will refuse one of them.
-fn parts(
-    propagation: &Propagation,
-    size: usize,
-    coarsest: usize,
-) -> Option<(Scheme, Levels, Vec<LevelOperator<f64>>)> {
+fn parts(propagation: &Propagation, size: usize, coarsest: usize) -> Option<(Scheme, Levels, Vec<LevelOperator<f64>>)> {
     let scheme = scheme::find(&propagation.scheme)?;
     let sizes = Levels::new(size, coarsest)?;
     let operators = operators(&scheme, propagation.factor, propagation.clamp, propagation.levels, sizes.count());
