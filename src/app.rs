@@ -3,16 +3,20 @@
 //! `lab` holds the state and obeys `command`s, `layout` draws it, and `worker` computes on a thread
 //! of its own, so that the window never waits for a volume.
 
+mod axis;
 mod closing;
 mod command;
 mod compare;
 mod controls;
+mod critical;
 mod cut;
 mod document;
 mod drops;
+mod errand;
 mod errors;
 mod export;
 mod files;
+mod format;
 pub mod frame_cost;
 mod glyphs;
 mod grids;
@@ -22,11 +26,14 @@ mod inspector;
 mod lab;
 mod layout;
 mod legend;
+mod line;
 mod logic;
 mod look;
 mod menu;
 mod mesh;
+mod pareto;
 mod perform;
+mod plots;
 mod settings;
 mod space;
 mod stage;
@@ -34,6 +41,7 @@ mod style;
 mod timeline;
 mod toolbar;
 mod track;
+mod truth;
 mod view;
 mod worker;
 

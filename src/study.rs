@@ -6,6 +6,7 @@ pub mod compare;
 pub mod converged;
 pub mod error;
 pub mod pareto;
+pub mod profile;
 pub mod random;
 pub mod reference;
 pub mod stability;

@@ -66,9 +66,17 @@ pub enum Command {
     Compare,
     /// The three-dimensional view.
     Space,
+    /// The error plots.
+    Errors,
+    /// The light along a line of cells.
+    Line,
+    /// The plot of run time against error.
+    RunTime,
+    /// Measure that.
+    Measure,
     /// Keep the error curves of this run beside those to come.
     KeepRun,
-    /// Save the curves as CSV.
+    /// Save what the plots show as CSV.
     ExportCsv,
     /// Save the plots as SVG.
     ExportSvg,
@@ -76,15 +84,19 @@ pub enum Command {
     ExportPng,
     /// Save what the grids show as SVG.
     ExportGrids,
-    /// Put the curves on the clipboard, as a table.
+    /// Put what the plots show on the clipboard, as a table.
     CopyCurves,
+    /// Put the plots on the clipboard, as a picture.
+    CopyPlots,
+    /// Put what the grids show on the clipboard, as a picture.
+    CopyGrids,
     /// The list of all keys.
     Keys,
 }
 
 impl Command {
     /// All of them, in the order of the keyboard reference.
-    pub const ALL: [Command; 37] = [
+    pub const ALL: [Command; 43] = [
         Command::Open,
         Command::Save,
         Command::SaveAs,
@@ -115,12 +127,18 @@ impl Command {
         Command::Grids,
         Command::Compare,
         Command::Space,
+        Command::Errors,
+        Command::Line,
+        Command::RunTime,
+        Command::Measure,
         Command::KeepRun,
         Command::ExportCsv,
         Command::ExportSvg,
         Command::ExportPng,
         Command::ExportGrids,
         Command::CopyCurves,
+        Command::CopyPlots,
+        Command::CopyGrids,
         Command::Keys,
     ];
 
@@ -166,12 +184,18 @@ impl Command {
             Command::Grids => ("Grids", "Source, target and accumulated light side by side"),
             Command::Compare => ("Compare", "Propagators or iterations side by side, with their difference"),
             Command::Space => ("3D", "The light in space: drag to orbit, scroll to zoom"),
+            Command::Errors => ("Errors", "Error curves over the iterations"),
+            Command::Line => ("Line", "Light along a line of cells: where the merged light jumps between levels"),
+            Command::RunTime => ("Run time", "Run time against error, for every scheme on this scene"),
+            Command::Measure => ("Measure", "Measure run time against error for every scheme on this scene"),
             Command::KeepRun => ("Keep curves", "Keep this run's error curves beside those of runs to come"),
-            Command::ExportCsv => ("Curves as CSV…", "Save the error curves as a table"),
-            Command::ExportSvg => ("Plots as SVG…", "Save the error plots as a vector picture"),
-            Command::ExportPng => ("Plots as PNG…", "Save the error plots as a picture"),
+            Command::ExportCsv => ("Curves as CSV…", "Save the numbers that the plots show as a table"),
+            Command::ExportSvg => ("Plots as SVG…", "Save the plots as a vector picture"),
+            Command::ExportPng => ("Plots as PNG…", "Save the plots as a picture"),
             Command::ExportGrids => ("Grids as SVG or PNG…", "Save the slices that are shown as a picture"),
-            Command::CopyCurves => ("Copy curves", "Put the error curves on the clipboard, as a table"),
+            Command::CopyCurves => ("Copy curves", "Put the numbers that the plots show on the clipboard, as CSV"),
+            Command::CopyPlots => ("Copy plots", "Put the plots on the clipboard, as a picture"),
+            Command::CopyGrids => ("Copy grids", "Put the slices that are shown on the clipboard, as a picture"),
             Command::Keys => ("Keyboard reference", "All keys"),
         }
     }
@@ -212,10 +236,17 @@ impl Command {
             Command::Grids => plain(Key::F2),
             Command::Compare => plain(Key::F3),
             Command::Space => plain(Key::F4),
+            Command::Errors => plain(Key::F6),
+            Command::Line => plain(Key::F7),
+            Command::RunTime => plain(Key::F8),
+            Command::Measure => plain(Key::T),
             Command::KeepRun => plain(Key::K),
+            Command::CopyCurves => with_both(Key::C),
+            Command::CopyPlots => with_both(Key::P),
+            Command::CopyGrids => with_both(Key::G),
             Command::ExportCsv => with_control(Key::E),
             Command::Keys => plain(Key::F1),
-            Command::ExportSvg | Command::ExportPng | Command::ExportGrids | Command::CopyCurves => None,
+            Command::ExportSvg | Command::ExportPng | Command::ExportGrids => None,
         }
     }
 

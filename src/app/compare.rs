@@ -1,13 +1,15 @@
-//! Side by side: other propagators on the same scene, stepped together, or two iterations of one run.
+//! Side by side: other propagators and references on the same scene, stepped together, or two iterations of
+//! one run.
 
 use egui::{ComboBox, DragValue, Ui};
 
 use super::controls::{self, name};
+use super::critical::warning;
 use super::lab::Lab;
-use super::look::{Light, Pane, State};
+use super::look::{Light, Of, Pane, State};
 use crate::propagate;
 use crate::propagate::levels::Policy;
-use crate::scene::Propagation;
+use crate::scene::{Propagation, Scene};
 
 /// The most propagators that are compared, the document's own among them.
 pub const MOST: usize = 4;
@@ -22,13 +24,68 @@ pub enum Sides {
     Iterations,
 }
 
+/// What the document's own propagator is compared with.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Rival {
+    /// Another propagator.
+    Propagator(Propagation),
+    /// The uniform volume: the document's own propagator on the finest level alone.
+    Uniform,
+    /// What truly arrives along straight lines.
+    Ballistic,
+}
+
+impl Rival {
+    /// What is simulated for it; nothing for what truly arrives.
+    pub fn scene(&self, own: &Scene) -> Option<Scene> {
+        match self {
+            Rival::Propagator(propagation) => Some(Scene { propagation: propagation.clone(), ..own.clone() }),
+            Rival::Uniform => Some(Scene { coarsest: own.size, ..own.clone() }),
+            Rival::Ballistic => None,
+        }
+    }
+
+    /// Whether anything is simulated for it.
+    pub fn runs(&self) -> bool {
+        *self != Rival::Ballistic
+    }
+
+    /// A few words, as titles and legends have them.
+    pub fn describe(&self) -> String {
+        match self {
+            Rival::Propagator(propagation) => describe(propagation),
+            Rival::Uniform => "uniform volume of A".to_owned(),
+            Rival::Ballistic => "what truly arrives".to_owned(),
+        }
+    }
+
+    /// What the list of schemes says.
+    fn choice(&self) -> &str {
+        match self {
+            Rival::Propagator(propagation) => &propagation.scheme,
+            Rival::Uniform => "Uniform volume",
+            Rival::Ballistic => "What truly arrives",
+        }
+    }
+}
+
+/// Whose light each of the compared views shows: the document's own first, then its rivals'.
+pub fn sides(rivals: &[Rival]) -> Vec<Of> {
+    let mut tracks = 1..;
+    let others = rivals.iter().map(|rival| match rival.runs() {
+        true => Of::Track(tracks.next().unwrap_or_default()),
+        false => Of::Truth,
+    });
+    std::iter::once(Of::Track(0)).chain(others).collect()
+}
+
 /// A comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     /// What is put side by side.
     pub sides: Sides,
-    /// Propagators beside the document's own.
-    pub others: Vec<Propagation>,
+    /// What the document's own propagator is compared with.
+    pub others: Vec<Rival>,
     /// Which octree is shown.
     pub light: Light,
     /// Whether differences from the first are shown too.
@@ -50,12 +107,14 @@ impl Default for Comparison {
 }
 
 impl Comparison {
-    /// The views, with `at` the iteration that is seen. `tracks` propagators are running.
-    pub fn panes(&self, at: Option<usize>, tracks: usize) -> Vec<Pane> {
+    /// The views, with `at` the iteration that is seen and the rivals that are running.
+    pub fn panes(&self, at: Option<usize>, running: &[Rival]) -> Vec<Pane> {
         let pane = |state: State, minus: Option<State>| Pane { light: self.light, state, minus };
         let states: Vec<State> = match self.sides {
-            Sides::Propagators => (0..tracks).map(|track| State { track, iteration: at }).collect(),
-            Sides::Iterations => [at, Some(self.against)].map(|iteration| State { track: 0, iteration }).to_vec(),
+            Sides::Propagators => sides(running).into_iter().map(|of| State { of, iteration: at }).collect(),
+            Sides::Iterations => {
+                [at, Some(self.against)].map(|iteration| State { of: Of::Track(0), iteration }).to_vec()
+            }
         };
         let mut panes: Vec<Pane> = states.iter().map(|state| pane(*state, None)).collect();
         if self.difference {
@@ -66,19 +125,19 @@ impl Comparison {
 
     /// Adds a propagator: the next scheme that is not there yet.
     pub fn add(&mut self, own: &Propagation) {
-        let used = |name: &str| own.scheme == name || self.others.iter().any(|other| other.scheme == name);
+        let used = |name: &str| own.scheme == name || self.others.iter().any(|other| other.choice() == name);
         let next = propagate::names().into_iter().find(|name| !used(name)).unwrap_or(propagate::names()[0]);
-        self.others.push(Propagation { scheme: next.to_owned(), ..own.clone() });
+        self.others.push(Rival::Propagator(Propagation { scheme: next.to_owned(), ..own.clone() }));
     }
 }
 
 /// A propagator's name on screen, by its place among those that are compared.
-pub fn letter(track: usize) -> char {
-    char::from(b'A' + (track % 26) as u8)
+pub fn letter(place: usize) -> char {
+    char::from(b'A' + (place % 26) as u8)
 }
 
 /// A propagator in a few words, as titles and legends have it.
-pub fn describe(propagation: &Propagation) -> String {
+fn describe(propagation: &Propagation) -> String {
     let clamp = if propagation.clamp { "" } else { ", no clamp" };
     let levels = match propagation.levels {
         Policy::Same => "",
@@ -111,7 +170,7 @@ pub fn bar(lab: &mut Lab, ui: &mut Ui) {
     });
 }
 
-/// The propagators beside the document's own, in the scene's panel.
+/// The propagators and references beside the document's own, in the scene's panel.
 pub fn propagators(lab: &mut Lab, ui: &mut Ui) {
     let own = lab.document.preset.propagation.clone();
     let compare = &mut lab.comparison;
@@ -119,43 +178,66 @@ pub fn propagators(lab: &mut Lab, ui: &mut Ui) {
     let mut gone = None;
     for (i, other) in compare.others.iter_mut().enumerate() {
         ui.push_id(("other", i), |ui| {
-            ui.horizontal(|ui| {
-                ui.strong(format!("{}", letter(i + 1)));
-                let combo = ComboBox::from_id_salt("scheme").selected_text(&other.scheme).width(96.0);
-                let combo = combo.show_ui(ui, |ui| {
-                    for name in propagate::names() {
-                        ui.selectable_value(&mut other.scheme, name.to_owned(), name);
-                    }
-                });
-                let full = |what: &str| format!("Propagator {} {what}", letter(i + 1));
-                name(&combo.response, &full("scheme"));
-                let factor =
-                    DragValue::new(&mut other.factor).range(0.0..=100.0).speed(0.01).max_decimals(6).prefix("p = ");
-                name(&ui.add(factor).on_hover_text("The propagation factor"), &full("factor"));
-                let remove = format!("Remove propagator {}", letter(i + 1));
-                if controls::small_button(ui, "✖", &remove).clicked() {
-                    gone = Some(i);
-                }
-            });
-            ui.horizontal(|ui| {
-                let full = |what: &str| format!("Propagator {} {what}", letter(i + 1));
-                ui.add_space(16.0);
-                let mut consistent = other.levels == Policy::Consistent;
-                let levels = ui.checkbox(&mut consistent, "Consistent levels");
-                let levels = levels.on_hover_text("Levels that agree, in place of one factor for all");
-                name(&levels, &full("consistent levels"));
-                other.levels = if consistent { Policy::Consistent } else { Policy::Same };
-                name(&ui.checkbox(&mut other.clamp, "Clamp"), &full("clamp"));
-            });
+            if rival(ui, letter(i + 1), other, &own) {
+                gone = Some(i);
+            }
+            warning(ui, lab.critical.exceeded(i + 1).filter(|_| matches!(other, Rival::Propagator(_))));
         });
     }
     if let Some(i) = gone {
         compare.others.remove(i);
     }
     let room = compare.others.len() + 1 < MOST;
-    if ui.add_enabled(room, egui::Button::new("Add propagator")).clicked() {
+    let add = egui::Button::new("Add propagator or reference");
+    if ui.add_enabled(room, add).clicked() {
         compare.add(&own);
     }
+}
+
+/// The fields of one rival; true where it is to go.
+fn rival(ui: &mut Ui, letter: char, rival: &mut Rival, own: &Propagation) -> bool {
+    let full = |what: &str| format!("Propagator {letter} {what}");
+    let gone = ui.horizontal(|ui| {
+        ui.strong(format!("{letter}"));
+        let combo = ComboBox::from_id_salt("scheme").selected_text(rival.choice()).width(118.0);
+        let combo = combo.show_ui(ui, |ui| {
+            for scheme in propagate::names() {
+                if ui.selectable_label(rival.choice() == scheme, scheme).clicked() {
+                    let like = if let Rival::Propagator(propagation) = &*rival { propagation } else { own };
+                    *rival = Rival::Propagator(Propagation { scheme: scheme.to_owned(), ..like.clone() });
+                }
+            }
+            ui.separator();
+            for (reference, about) in [
+                (Rival::Uniform, "A's propagator on the finest level alone: what the octree costs"),
+                (Rival::Ballistic, "Light along straight lines: what the propagator costs"),
+            ] {
+                let text = reference.choice().to_owned();
+                ui.selectable_value(rival, reference, text).on_hover_text(about);
+            }
+        });
+        name(&combo.response, &full("scheme"));
+        if let Rival::Propagator(propagation) = rival {
+            let factor = DragValue::new(&mut propagation.factor).range(0.0..=100.0);
+            let factor = factor.speed(0.01).max_decimals(6).prefix("p = ");
+            name(&ui.add(factor).on_hover_text("The propagation factor"), &full("factor"));
+        }
+        controls::small_button(ui, "✖", &format!("Remove propagator {letter}")).clicked()
+    });
+    if let Rival::Propagator(propagation) = rival {
+        ui.horizontal(|ui| {
+            ui.add_space(16.0);
+            let mut consistent = propagation.levels == Policy::Consistent;
+            let levels = ui.checkbox(&mut consistent, "Consistent levels");
+            name(
+                &levels.on_hover_text("Levels that agree, in place of one factor for all"),
+                &full("consistent levels"),
+            );
+            propagation.levels = if consistent { Policy::Consistent } else { Policy::Same };
+            name(&ui.checkbox(&mut propagation.clamp, "Clamp"), &full("clamp"));
+        });
+    }
+    gone.inner
 }
 
 #[cfg(test)]
@@ -165,13 +247,16 @@ mod tests {
     #[test]
     fn differences_are_from_the_first() {
         let compare = Comparison { light: Light::Source, ..Comparison::default() };
-        let panes = compare.panes(Some(3), 3);
-        let first = State { track: 0, iteration: Some(3) };
+        let rivals = [Rival::Ballistic, Rival::Uniform];
+        let panes = compare.panes(Some(3), &rivals);
+        let first = State { of: Of::Track(0), iteration: Some(3) };
         let minus: Vec<Option<State>> = panes.iter().map(|pane| pane.minus).collect();
         assert_eq!(minus, [None, None, None, Some(first), Some(first)]);
-        assert_eq!(panes.iter().map(|pane| pane.state.track).collect::<Vec<_>>(), [0, 1, 2, 1, 2]);
+        let (own, uniform) = (Of::Track(0), Of::Track(1));
+        let whose: Vec<Of> = panes.iter().map(|pane| pane.state.of).collect();
+        assert_eq!(whose, [own, Of::Truth, uniform, Of::Truth, uniform]);
         let compare = Comparison { sides: Sides::Iterations, difference: false, against: 1, ..compare };
-        let seen: Vec<_> = compare.panes(None, 3).iter().map(|pane| pane.state.iteration).collect();
+        let seen: Vec<_> = compare.panes(None, &rivals).iter().map(|pane| pane.state.iteration).collect();
         assert_eq!(seen, [None, Some(1)]);
     }
 
@@ -181,7 +266,7 @@ mod tests {
         let mut compare = Comparison::default();
         for (i, known) in propagate::names().into_iter().skip(1).enumerate() {
             compare.add(&own);
-            assert_eq!(compare.others[i].scheme, known);
+            assert_eq!(compare.others[i].choice(), known);
         }
     }
 }

@@ -14,6 +14,7 @@ pub use occluders::occluder;
 use crate::report::slice::Axis;
 use crate::scene::Preset;
 use crate::scene::preset::LARGEST;
+use crate::study::stability::outlook::Exceeded;
 
 /// The largest volume that the list of sizes offers; larger ones can be opened from a file.
 const LARGEST_OFFERED: usize = 256;
@@ -25,6 +26,8 @@ pub struct Surroundings {
     pub axis: Axis,
     /// The injector that waits for a click in a view to be placed.
     pub placing: Option<usize>,
+    /// The level whose critical factor the preset's exceeds.
+    pub exceeded: Option<Exceeded>,
 }
 
 /// What the panel asks of the window.
@@ -43,7 +46,7 @@ pub fn ui(ui: &mut Ui, preset: &mut Preset, around: Surroundings) -> Wish {
     let mut wish = Wish::default();
     ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
         ui.spacing_mut().slider_width = 110.0;
-        section(ui, "Propagation", |ui| propagation::ui(ui, &mut preset.propagation));
+        section(ui, "Propagation", |ui| propagation::ui(ui, &mut preset.propagation, around.exceeded));
         let injectors = format!("Injectors ({})", preset.injectors.len());
         section(ui, &injectors, |ui| injectors::ui(ui, preset, around, &mut wish));
         let occluders = format!("Occluders ({})", preset.occluders.len());

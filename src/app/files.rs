@@ -6,6 +6,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use egui::{Context, Id, Modal, TextEdit, Ui};
 
 use super::command::Command;
+use super::format::Format;
 
 /// What a file is wanted for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,6 +40,10 @@ impl Purpose {
             Purpose::Injector(_) | Purpose::Occluder(_) => "Use",
             Purpose::SaveAs | Purpose::Export(_) => "Save to file",
         }
+    }
+
+    fn is_picture(self) -> bool {
+        matches!(self, Purpose::Export(Command::ExportSvg | Command::ExportPng | Command::ExportGrids))
     }
 
     fn writes(self) -> bool {
@@ -107,8 +112,8 @@ impl Files {
         Some(answer)
     }
 
-    /// Shows the question, if there is one. `recent` are files to choose from.
-    pub fn ui(&mut self, ui: &Ui, recent: &[PathBuf]) {
+    /// Shows the question, if there is one. `recent` are files to choose from, `format` is how pictures are exported.
+    pub fn ui(&mut self, ui: &Ui, recent: &[PathBuf], format: &mut Format) {
         let Some(mut question) = self.question.take() else { return };
         let mut open = true;
         let modal = Modal::new(Id::unique("file question")).show(ui.ctx(), |ui| {
@@ -138,6 +143,10 @@ impl Files {
                 ui.colored_label(ui.visuals().warn_fg_color, text);
             }
             ui.add_space(6.0);
+            if question.purpose.is_picture() {
+                format.ui(ui);
+                ui.add_space(6.0);
+            }
             ui.horizontal(|ui| {
                 let typed = !question.text.trim().is_empty();
                 let pressed = ui.add_enabled(typed, egui::Button::new(question.purpose.verb())).clicked();

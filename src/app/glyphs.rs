@@ -23,9 +23,9 @@ const SMALLEST: f32 = 0.25;
 /// The least distance of edges that are drawn, in points.
 const CLOSEST_EDGES: f32 = 4.0;
 
-/// What is the same for every view, so that they can be compared.
+/// What is the same for views that are to be compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scales {
+pub struct Scale {
     /// Intensities to radii.
     pub glyph: GlyphScale,
     /// The intensity that fills a cell.
@@ -34,9 +34,31 @@ pub struct Scales {
     pub heat: f32,
 }
 
+/// The scales of all views: differences are far smaller than the light itself, so they have one of their own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scales {
+    /// That of light.
+    pub light: Scale,
+    /// That of differences, where any are seen.
+    pub difference: Option<Scale>,
+}
+
 impl Scales {
     /// The scales for everything that is seen.
     pub fn of(view: &View, shown: &[Shown]) -> Self {
+        let (differences, light): (Vec<&Shown>, Vec<&Shown>) = shown.iter().partition(|s| s.pane.minus.is_some());
+        let difference = (!differences.is_empty()).then(|| Scale::of(view, &differences));
+        Scales { light: Scale::of(view, &light), difference }
+    }
+
+    /// That of a view.
+    pub fn scale(&self, shown: &Shown) -> &Scale {
+        self.difference.as_ref().filter(|_| shown.pane.minus.is_some()).unwrap_or(&self.light)
+    }
+}
+
+impl Scale {
+    fn of(view: &View, shown: &[&Shown]) -> Self {
         use super::view::Scaling;
         let quantile = if view.scaling == Scaling::Linear { LINEAR_QUANTILE } else { 1.0 };
         let full = match view.fit {
@@ -49,7 +71,7 @@ impl Scales {
             Scaling::PerGlyph => GlyphScale::PerGlyph,
         };
         let all = shown.iter().flat_map(|shown| (0..shown.slice.cells.len()).filter_map(|i| heat(view, shown, i)));
-        Scales { glyph, full, heat: all.fold(0.0, f32::max) }
+        Scale { glyph, full, heat: all.fold(0.0, f32::max) }
     }
 }
 
@@ -96,14 +118,14 @@ impl Placing {
 }
 
 /// Draws a slice into one mesh.
-pub fn mesh(shown: &Shown, view: &View, scales: &Scales, theme: &Theme, placing: &Placing) -> Arc<Mesh> {
+pub fn mesh(shown: &Shown, view: &View, scale: &Scale, theme: &Theme, placing: &Placing) -> Arc<Mesh> {
     let mut ink = Ink::default();
-    grounds(&mut ink, shown, view, scales, theme, placing);
+    grounds(&mut ink, shown, view, scale, theme, placing);
     if view.cells {
         edges(&mut ink, shown, theme, placing);
     }
     if view.glyphs {
-        glyphs(&mut ink, shown, view, scales, theme, placing);
+        glyphs(&mut ink, shown, view, scale, theme, placing);
     }
     for border in &shown.slice.borders {
         let at = |[column, row]: [usize; 2]| placing.at(column as f32, row as f32);
@@ -113,9 +135,9 @@ pub fn mesh(shown: &Shown, view: &View, scales: &Scales, theme: &Theme, placing:
 }
 
 /// The glyphs that can be seen, each with as many points as its size can show.
-fn glyphs(ink: &mut Ink, shown: &Shown, view: &View, scales: &Scales, theme: &Theme, placing: &Placing) {
+fn glyphs(ink: &mut Ink, shown: &Shown, view: &View, scale: &Scale, theme: &Theme, placing: &Placing) {
     let axis = shown.slice.plane.axis;
-    let pens = POINTS.map(|points| Glyphs::new(axis, scales.glyph, points));
+    let pens = POINTS.map(|points| Glyphs::new(axis, scale.glyph, points));
     let negative = view.negative.then_some(color(theme.negative));
     let mut outline = Outline::default();
     for cell in &shown.slice.cells {
@@ -125,27 +147,27 @@ fn glyphs(ink: &mut Ink, shown: &Shown, view: &View, scales: &Scales, theme: &Th
         }
         let light = view.hue().of(cell.light);
         let peak = peak(light, axis);
-        let radius = FULL_RADIUS * square.width() * scales.glyph.share(peak, peak).min(1.0);
+        let radius = FULL_RADIUS * square.width() * scale.glyph.share(peak, peak).min(1.0);
         if radius.is_nan() || radius < SMALLEST {
             continue;
         }
         let pen = POINTS.iter().position(|points| *points as f32 >= 3.0 * radius).unwrap_or(POINTS.len() - 1);
         pens[pen].outline(light, &mut outline);
-        let share = scales.glyph.share(peak, scales.full).clamp(0.0, 1.0);
+        let share = scale.glyph.share(peak, scale.full).clamp(0.0, 1.0);
         let positive = view.paint().glyph(theme, cell.light, light, axis, share);
         ink.glyph(&outline, square.center(), square.width(), color(positive), negative);
     }
 }
 
 /// What lies under everything: heat, the index volume, occluders.
-fn grounds(ink: &mut Ink, shown: &Shown, view: &View, scales: &Scales, theme: &Theme, placing: &Placing) {
+fn grounds(ink: &mut Ink, shown: &Shown, view: &View, scale: &Scale, theme: &Theme, placing: &Placing) {
     let slice = &shown.slice;
-    if view.heat != Heat::None && scales.heat > 0.0 {
+    if view.heat != Heat::None && scale.heat > 0.0 {
         for (i, cell) in slice.cells.iter().enumerate() {
             let Some(heat) = heat(view, shown, i).filter(|heat| *heat > 0.0) else { continue };
-            let share = match scales.glyph {
-                GlyphScale::Log { decades, .. } => 1.0 + (heat / scales.heat).log10() / decades,
-                _ => heat / scales.heat,
+            let share = match scale.glyph {
+                GlyphScale::Log { decades, .. } => 1.0 + (heat / scale.heat).log10() / decades,
+                _ => heat / scale.heat,
             };
             ink.rect(placing.square(cell.column, cell.row, cell.span), color(theme.heat(share.clamp(0.0, 1.0))));
         }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use egui::{Align2, Color32, FontId, Mesh, Pos2, Rect, Response, Sense, Shape, Ui, Vec2, pos2, vec2};
 
-use super::glyphs::{Placing, Scales, mesh};
+use super::glyphs::{Placing, Scale, Scales, mesh};
 use super::look::Shown;
 use super::mesh::color;
 use super::view::View;
@@ -37,7 +37,7 @@ impl Default for Camera {
 struct Key {
     slice: Arc<Slice>,
     view: View,
-    scales: Scales,
+    scale: Scale,
     placing: Placing,
     dark: bool,
 }
@@ -46,7 +46,7 @@ impl PartialEq for Key {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.slice, &other.slice)
             && self.view == other.view
-            && self.scales == other.scales
+            && self.scale == other.scale
             && self.placing == other.placing
             && self.dark == other.dark
     }
@@ -59,9 +59,9 @@ pub struct Manner<'a> {
     pub view: &'a View,
     /// The colours.
     pub theme: &'a Theme,
-    /// What is the same for every view.
+    /// Theirs.
     pub scales: &'a Scales,
-    /// Squares to frame.
+    /// Rectangles to frame.
     pub marks: &'a [Mark],
 }
 
@@ -130,6 +130,7 @@ impl Grids {
         manner: &Manner,
     ) -> Option<Pointed> {
         let Manner { view, theme, scales, marks } = *manner;
+        let scale = scales.scale(shown);
         let response = ui.interact(rect, ui.scope_id().with(("view", i)), Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("View: {title}")));
         self.steer(ui, i, rect, &response, shown.slice.side, view.linked);
@@ -138,12 +139,11 @@ impl Grids {
         let whole = cell * shown.slice.side as f32;
         let origin = rect.center() + vec2(-camera.centre.x, camera.centre.y) * whole;
         let placing = Placing { clip: rect, origin, cell };
-        let key =
-            Key { slice: Arc::clone(&shown.slice), view: view.clone(), scales: *scales, placing, dark: theme.dark };
+        let key = Key { slice: Arc::clone(&shown.slice), view: view.clone(), scale: *scale, placing, dark: theme.dark };
         let mesh = match &self.drawn[i] {
             Some((known, mesh)) if *known == key => Arc::clone(mesh),
             _ => {
-                let mesh = mesh(shown, view, scales, theme, &placing);
+                let mesh = mesh(shown, view, scale, theme, &placing);
                 self.drawn[i] = Some((key, Arc::clone(&mesh)));
                 mesh
             }
@@ -152,8 +152,9 @@ impl Grids {
         painter.rect_filled(rect, 0.0, color(theme.ground));
         painter.add(Shape::mesh(mesh));
         for mark in marks.iter().filter(|mark| mark.pane.is_none_or(|pane| pane == i)) {
-            let square = placing.square(mark.column, mark.row, mark.span);
-            painter.rect_stroke(square, 0.0, (1.5, mark.color), egui::StrokeKind::Middle);
+            let low = placing.at(mark.column as f32, mark.row as f32);
+            let high = placing.at((mark.column + mark.size[0]) as f32, (mark.row + mark.size[1]) as f32);
+            painter.rect_stroke(Rect::from_two_pos(low, high), 0.0, (1.5, mark.color), egui::StrokeKind::Middle);
         }
         frame_text(ui, rect, shown, title, theme, &placing);
         let at = placing.cell_at(response.hover_pos()?, shown.slice.side)?;
@@ -186,7 +187,7 @@ impl Grids {
     }
 }
 
-/// A square to frame.
+/// A rectangle to frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mark {
     /// The view, or all of them.
@@ -195,8 +196,8 @@ pub struct Mark {
     pub column: usize,
     /// Its lower side, in finest cells.
     pub row: usize,
-    /// Its side, in finest cells.
-    pub span: usize,
+    /// Its width and height, in finest cells.
+    pub size: [usize; 2],
     /// Its colour.
     pub color: Color32,
 }

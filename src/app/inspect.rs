@@ -1,5 +1,6 @@
 //! Cells under the pointer, and the pinned one.
 
+use super::errors::Tab;
 use super::grids::{Mark, Pointed};
 use super::lab::Lab;
 use super::look::{Pin, Shown};
@@ -57,21 +58,31 @@ impl Lab {
         self.worker.order(Order::Pin(pin));
     }
 
-    /// The squares to frame: the one under the pointer, in every view, and the pinned one.
+    /// The cells to frame: the one under the pointer, in every view, the pinned one, and the line whose light is
+    /// plotted.
     pub(super) fn marks(&self, theme: &Theme) -> Vec<Mark> {
         let mut marks = Vec::new();
+        if self.settings.plots.tab == Tab::Line {
+            let (line, axis) = (self.line(), self.settings.view.axis());
+            let (side, [column, row]) = (self.progress.side, [axis.columns(), axis.rows()]);
+            let color = color(theme.curve(1));
+            marks.push(match line.along == column {
+                true => Mark { pane: None, column: 0, row: line.through[row], size: [side, 1], color },
+                false => Mark { pane: None, column: line.through[column], row: 0, size: [1, side], color },
+            });
+        }
         if let (Some(pin), Some(shown)) = (self.pin, self.shown.first()) {
             let axis = shown.slice.plane.axis;
             let span = 1 << pin.level;
             let crossed = shown.slice.plane.index >> pin.level == pin.cell[axis.across()];
             if crossed {
                 let (column, row) = (pin.cell[axis.columns()] * span, pin.cell[axis.rows()] * span);
-                marks.push(Mark { pane: None, column, row, span, color: color(theme.negative) });
+                marks.push(Mark { pane: None, column, row, size: [span; 2], color: color(theme.negative) });
             }
         }
         if let Some((shown, i)) = self.under_pointer() {
             let SliceCell { column, row, span, .. } = shown.slice.cells[i];
-            marks.push(Mark { pane: None, column, row, span, color: color(theme.ink) });
+            marks.push(Mark { pane: None, column, row, size: [span; 2], color: color(theme.ink) });
         }
         marks
     }

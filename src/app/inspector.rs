@@ -5,7 +5,7 @@ use egui_plot::{Line, LineStyle, Plot, PlotPoints, VLine};
 
 use super::lab::Lab;
 use super::legend::number;
-use super::look::{CellError, Pin, PinSample};
+use super::look::{Against, CellError, Of, Pane, Pin, PinSample, State};
 use super::mesh::color;
 use crate::report::colour::Theme;
 use crate::sh::Sh;
@@ -15,13 +15,17 @@ pub fn ui(lab: &mut Lab, ui: &mut Ui, theme: &Theme) {
     let hovered = lab.under_pointer().map(|(shown, i)| {
         let cell = &shown.slice.cells[i];
         let pin = Pin { level: cell.level, cell: cell.cell };
-        let what = if shown.pane.minus.is_some() { "Difference" } else { shown.pane.light.name() };
+        let what = match shown.pane {
+            Pane { minus: Some(_), .. } => "Difference",
+            Pane { state: State { of: Of::Truth, .. }, .. } => "What truly arrives",
+            Pane { light, .. } => light.name(),
+        };
         (pin, what, cell.light, shown.errors.get(i).copied().flatten())
     });
     let seen = lab.seen();
     if let Some((pin, what, light, error)) = hovered {
         head(ui, &format!("{what} {}", place(pin)));
-        numbers(ui, light, error, lab.measures_uniform());
+        numbers(ui, light, error, lab.against());
         return;
     }
     let Some(pin) = lab.pin else {
@@ -36,7 +40,7 @@ pub fn ui(lab: &mut Lab, ui: &mut Ui, theme: &Theme) {
         }
     });
     let Some(sample) = lab.pinned.iter().rev().find(|sample| sample.iteration <= seen) else { return };
-    numbers(ui, sample.accumulated, None, false);
+    numbers(ui, sample.accumulated, None, Against::Children);
     course(ui, &lab.pinned, seen, theme);
 }
 
@@ -49,7 +53,7 @@ fn place(Pin { level, cell: [x, y, z] }: Pin) -> String {
 }
 
 /// The coefficients of each colour, the flux and the error.
-fn numbers(ui: &mut Ui, light: [Sh<f32>; 3], error: Option<CellError>, uniform: bool) {
+fn numbers(ui: &mut Ui, light: [Sh<f32>; 3], error: Option<CellError>, against: Against) {
     let [red, green, blue] = light;
     let colours: Vec<(&str, Sh<f32>)> = match red == green && green == blue {
         true => vec![("white", red)],
@@ -74,8 +78,7 @@ fn numbers(ui: &mut Ui, light: [Sh<f32>; 3], error: Option<CellError>, uniform: 
     ui.label(format!("flux towards {towards}"));
     if let Some(error) = error {
         let relative = error.relative.map_or("undefined".to_owned(), |relative| format!("{:.2} %", relative * 100.0));
-        let against = if uniform { "a uniform volume" } else { "its children" };
-        ui.label(format!("error {} ({relative}) against {against}", number(error.absolute)));
+        ui.label(format!("error {} ({relative}) against {}", number(error.absolute), against.name()));
     }
 }
 
@@ -93,7 +96,7 @@ fn course(ui: &mut Ui, samples: &[PinSample], seen: usize, theme: &Theme) {
         .include_y(0.0)
         .allow_scroll(false)
         .legend(egui_plot::Legend::default().position(egui_plot::Corner::LeftTop).background_alpha(0.5))
-        .x_grid_spacer(super::errors::iterations_apart)
+        .x_grid_spacer(super::axis::iterations_apart)
         .grid_color(color(theme.grid))
         .label_formatter(|position| match position {
             egui_plot::HoverPosition::NearDataPoint { plot_name, position, .. } => {

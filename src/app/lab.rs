@@ -7,20 +7,24 @@ use std::sync::Arc;
 use egui::Context;
 
 use super::closing::Next;
-use super::compare::{Comparison, describe};
+use super::compare::{Comparison, Rival};
+use super::critical::Critical;
 use super::document::Document;
 use super::errors::Run;
 use super::files::Files;
 use super::glyphs::Scales;
 use super::grids::{Grids, Pointed};
+use super::line::Profiles;
 use super::look::{Cloud, Look, Pin, PinSample, Shown};
+use super::pareto::Pareto;
 use super::settings::Settings;
 use super::space::Space;
 use super::style;
+use super::truth::Truth;
 use super::view::View;
 use super::worker::{Load, Order, Progress, Start, Worker};
 use crate::field::Levels;
-use crate::scene::{Preset, Propagation};
+use crate::scene::{Preset, Scene};
 use crate::simulation::Change;
 
 /// A line at the window's foot.
@@ -39,8 +43,14 @@ pub struct Lab {
     pub(super) document: Document,
     /// What the present results were made from.
     pub(super) ran: Preset,
-    /// The propagators that ran beside the preset's own.
-    pub(super) others: Vec<Propagation>,
+    /// What ran beside the preset's own propagator.
+    pub(super) others: Vec<Rival>,
+    /// The scene that runs, once the worker has it.
+    pub(super) scene: Option<Arc<Scene>>,
+    pub(super) truth: Truth,
+    pub(super) profiles: Profiles,
+    pub(super) pareto: Pareto,
+    pub(super) critical: Critical,
     pub(super) progress: Progress,
     /// What the last action changed.
     pub(super) change: Option<Change>,
@@ -93,6 +103,11 @@ impl Lab {
             settings,
             ran: preset.clone(),
             document: Document::new(preset, path),
+            scene: None,
+            truth: Truth::default(),
+            profiles: Profiles::default(),
+            pareto: Pareto::default(),
+            critical: Critical::default(),
             progress: Progress::default(),
             change: None,
             runs: Vec::new(),
@@ -157,7 +172,12 @@ impl Lab {
 
     /// Whether nothing is being computed or waited for.
     pub fn is_idle(&self) -> bool {
-        self.answered && self.waiting.is_none() && self.progress.until.is_none() && self.playing.is_none()
+        let running = self.waiting.is_some() || self.progress.until.is_some() || self.playing.is_some();
+        let aside = self.truth.is_underway()
+            || self.profiles.is_underway()
+            || self.pareto.is_underway()
+            || self.critical.is_underway();
+        self.answered && !running && !aside && self.progress.behind == 0
     }
 
     /// Whether the results were made from the scene as it is now.
@@ -201,12 +221,10 @@ impl Lab {
         }
         self.ran = self.document.preset.clone();
         self.others.clone_from(&self.comparison.others);
-        let propagators = std::iter::once(&self.document.preset.propagation).chain(&self.others);
-        let runs = propagators.enumerate().map(|(i, propagation)| Run {
-            name: describe(propagation),
-            rows: Vec::new(),
-            color: self.kept.len() + i,
-        });
+        self.scene = None;
+        let own = Rival::Propagator(self.document.preset.propagation.clone());
+        let tracks = std::iter::once(&own).chain(&self.others).filter(|rival| rival.runs());
+        let runs = tracks.zip(self.kept.len()..).map(|(rival, color)| Run::new(rival.describe(), color));
         self.runs = runs.collect();
         self.at = None;
         self.playing = None;

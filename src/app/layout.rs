@@ -5,12 +5,10 @@ use egui::{CentralPanel, Frame, Margin, Panel, RichText, Ui};
 use super::closing::Next;
 use super::command::Command;
 use super::controls::{self, Surroundings};
-use super::errors::Curves;
 use super::lab::Lab;
 use super::look::Layer;
-use super::style::theme;
 use super::view::Stage;
-use super::{compare, inspector, timeline, toolbar};
+use super::{compare, timeline, toolbar};
 use crate::scene::builtin;
 
 impl Lab {
@@ -25,13 +23,13 @@ impl Lab {
         // A taller window has more to give to both, but glyphs need the most.
         let errors = (ui.available_height() * 0.36).max(200.0);
         Panel::bottom("errors").default_size(errors).size_range(90.0..=700.0).resizable(true).show(ui, |ui| {
-            self.errors(ui);
+            self.plots(ui);
         });
         Panel::bottom("timeline").show(ui, |ui| timeline::ui(self, ui));
         Panel::top("view").show(ui, |ui| toolbar::view(self, ui));
         let ground = Frame::central_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
         CentralPanel::default().frame(ground).show(ui, |ui| self.stage(ui));
-        self.files.ui(ui, &self.settings.recent);
+        self.files.ui(ui, &self.settings.recent, &mut self.settings.plots.format);
         self.keys(&ctx);
         self.closing(&ctx);
     }
@@ -67,7 +65,8 @@ impl Lab {
         ui.add_space(4.0);
         self.presets(ui);
         self.stale_banner(ui);
-        let around = Surroundings { axis: self.settings.view.axis(), placing: self.placing };
+        let exceeded = self.critical.exceeded(0);
+        let around = Surroundings { axis: self.settings.view.axis(), placing: self.placing, exceeded };
         if self.settings.view.stage == Stage::Compare {
             ui.label(RichText::new("Compared propagators").strong());
             compare::propagators(self, ui);
@@ -115,44 +114,6 @@ impl Lab {
         });
     }
 
-    fn errors(&mut self, ui: &mut Ui) {
-        let theme = theme(ui.ctx());
-        let seen = self.seen();
-        ui.horizontal(|ui| {
-            ui.label(RichText::new("Errors").strong());
-            let runs: Vec<&super::errors::Run> = self.runs.iter().chain(&self.kept).collect();
-            self.settings.plots.controls(ui, &runs);
-            ui.separator();
-            toolbar::button(self, ui, Command::KeepRun);
-            if !self.kept.is_empty() {
-                ui.menu_button("Kept runs", |ui| self.kept_runs(ui));
-            }
-            ui.menu_button("Export", |ui| {
-                self.items(ui, &[Command::ExportCsv, Command::ExportSvg, Command::ExportPng, Command::CopyCurves]);
-            });
-        });
-        Panel::right("inspector").exact_size(292.0).resizable(false).show(ui, |ui| inspector::ui(self, ui, &theme));
-        let runs: Vec<&super::errors::Run> = self.runs.iter().chain(&self.kept).collect();
-        self.settings.plots.ui(ui, &Curves { runs: &runs, theme: &theme, now: seen });
-    }
-
-    /// The kept runs, to be named or dropped.
-    fn kept_runs(&mut self, ui: &mut Ui) {
-        let mut gone = None;
-        for (i, run) in self.kept.iter_mut().enumerate() {
-            ui.horizontal(|ui| {
-                let edit = ui.add(egui::TextEdit::singleline(&mut run.name).desired_width(200.0));
-                controls::name(&edit, &format!("Name of kept run {}", i + 1));
-                if controls::small_button(ui, "✖", &format!("Drop kept run {}", i + 1)).clicked() {
-                    gone = Some(i);
-                }
-            });
-        }
-        if let Some(i) = gone {
-            self.kept.remove(i);
-        }
-    }
-
     fn foot(&mut self, ui: &mut Ui) {
         ui.horizontal(|ui| {
             if let Some(notice) = self.notice.as_ref().filter(|notice| !notice.error) {
@@ -186,6 +147,11 @@ impl Lab {
                 p.cells,
                 mib(p.now_bytes),
             ));
+            let skipped = ui.label(format!("·  {:.0} % visited", 100.0 * p.visited));
+            skipped.on_hover_text(
+                "The share of the cells that the iterations so far computed; the others cannot hold light yet, or have \
+                 gone dark again, so the result is the same to the last bit",
+            );
             let waited = self.waiting.is_some_and(|since| ui.input(|input| input.time) - since > 0.3);
             if waited || p.until.is_some() {
                 match p.until {

@@ -2,7 +2,7 @@
 
 use egui::{Rect, Sense, Ui, Vec2, pos2, vec2};
 
-use super::glyphs::{Scales, level_tint};
+use super::glyphs::{Scale, Scales, level_tint};
 use super::look::Shown;
 use super::mesh::{Ink, color};
 use super::view::{Heat, View};
@@ -15,13 +15,15 @@ pub fn ui(ui: &mut Ui, view: &View, scales: &Scales, shown: &[Shown], theme: &Th
         ui.spacing_mut().item_spacing.x = 6.0;
         if view.glyphs {
             disc(ui, theme);
-            ui.small(match scales.glyph {
-                GlyphScale::Linear { full } => format!("fills its cell at {} /sr", number(full)),
-                GlyphScale::Log { full, decades } => {
-                    format!("fills its cell at {} /sr, nothing {decades} decades below", number(full))
+            match &scales.difference {
+                None => drop(ui.small(full(&scales.light))),
+                Some(difference) => {
+                    ui.small(format!("light {}", full(&scales.light)));
+                    ui.add_space(8.0);
+                    disc(ui, theme);
+                    ui.small(format!("difference {}", full(difference)));
                 }
-                GlyphScale::PerGlyph => "every glyph fills its cell".to_owned(),
-            });
+            }
             if view.negative {
                 ui.add_space(8.0);
                 swatch(ui, color(theme.negative));
@@ -31,7 +33,11 @@ pub fn ui(ui: &mut Ui, view: &View, scales: &Scales, shown: &[Shown], theme: &Th
         if view.heat != Heat::None {
             ui.add_space(8.0);
             ramp(ui, theme);
-            ui.small(format!("{}, up to {}", view.heat.name(), number(scales.heat)));
+            let unit = if view.heat == Heat::Relative { "" } else { " (SH coefficient)" };
+            let of_difference = scales.difference.filter(|scale| scale.heat > 0.0);
+            let of_difference = of_difference.map(|scale| format!(", in differences to {}", number(scale.heat)));
+            let heat = number(scales.light.heat);
+            ui.small(format!("{}{unit}, up to {heat}{}", view.heat.name(), of_difference.unwrap_or_default()));
         }
         if view.levels {
             ui.add_space(8.0);
@@ -49,6 +55,17 @@ pub fn ui(ui: &mut Ui, view: &View, scales: &Scales, shown: &[Shown], theme: &Th
             ui.small("border between levels");
         }
     });
+}
+
+/// What a full glyph means.
+fn full(scale: &Scale) -> String {
+    match scale.glyph {
+        GlyphScale::Linear { full } => format!("fills its cell at {} /sr", number(full)),
+        GlyphScale::Log { full, decades } => {
+            format!("fills its cell at {} /sr, nothing {decades} decades below", number(full))
+        }
+        GlyphScale::PerGlyph => "fills every cell".to_owned(),
+    }
 }
 
 /// A number as short as it can be read.

@@ -9,7 +9,7 @@ use super::closing::Next;
 use super::command::{self, Command};
 use super::files::Purpose;
 use super::lab::Lab;
-use super::look::{CloudAsk, Light, Look, Pane, State};
+use super::look::{Against, CloudAsk, Light, Look, Of, Pane, State};
 use super::view::Stage;
 use super::worker::{News, Order};
 use crate::simulation::Action;
@@ -41,6 +41,10 @@ impl Lab {
             self.use_file(purpose, &path, ctx);
         }
         self.drop_files(ctx);
+        self.seek_truth(ctx);
+        self.seek_profiles(ctx);
+        self.hear_pareto(ctx);
+        self.watch_factors(ctx);
         let look = self.look();
         if self.asked.as_ref() != Some(&look) {
             self.worker.order(Order::Look(look.clone()));
@@ -64,6 +68,16 @@ impl Lab {
 
     fn hear(&mut self, news: News) {
         match news {
+            News::Loaded(scene) => {
+                self.truth.turn_to(&scene);
+                self.scene = Some(scene);
+            }
+            News::Measured { iteration, errors, behind } => {
+                self.progress.behind = behind;
+                for (run, measured) in self.runs.iter_mut().zip(errors) {
+                    run.put(iteration, measured);
+                }
+            }
             News::Done { change, progress, errors } => {
                 self.waiting = None;
                 self.answered = false;
@@ -73,8 +87,8 @@ impl Lab {
                     self.centre = false;
                     self.settings.view.index = progress.brightest[self.settings.view.across.min(2)];
                 }
-                for (run, rows) in self.runs.iter_mut().zip(errors) {
-                    run.update(progress.iteration, rows);
+                for (run, measured) in self.runs.iter_mut().zip(errors) {
+                    run.update(progress.iteration, measured);
                 }
             }
             News::Shown { look, panes, cloud } => {
@@ -111,25 +125,28 @@ impl Lab {
         }
     }
 
-    /// Whether errors of cells are against a uniform volume: whenever the plots' are not the thesis's.
-    pub(super) fn measures_uniform(&self) -> bool {
-        self.settings.plots.metric != Metric::Thesis.name()
+    /// What errors of cells are against: the same as in the plots.
+    pub(super) fn against(&self) -> Against {
+        match self.settings.plots.metric() {
+            Metric::Thesis => Against::Children,
+            Metric::Corrected | Metric::Merged => Against::Uniform,
+            Metric::Ballistic => Against::Truth,
+        }
     }
 
     /// What is to be seen.
     fn look(&self) -> Look {
         let view = &self.settings.view;
-        let state = State { track: 0, iteration: self.at };
+        let state = State { of: Of::Track(0), iteration: self.at };
         let pane = |light| Pane { light, state, minus: None };
         let (panes, cloud) = match view.stage {
             Stage::Grids => (Light::ALL.map(pane).to_vec(), None),
-            Stage::Compare => (self.comparison.panes(self.at, self.runs.len()), None),
+            Stage::Compare => (self.comparison.panes(self.at, &self.others), None),
             Stage::Space => {
                 let ask = CloudAsk { pane: pane(self.comparison.light), threshold: self.space.eye.threshold };
                 (vec![ask.pane], Some(ask))
             }
         };
-        let uniform = self.measures_uniform();
-        Look { panes, layer: view.layer, plane: view.plane(), uniform, cloud }
+        Look { panes, layer: view.layer, plane: view.plane(), against: self.against(), cloud }
     }
 }

@@ -32,6 +32,15 @@ impl Light {
         }
     }
 
+    /// Its symbol after iteration `k`, where there is little room.
+    pub fn letter(self, k: usize) -> String {
+        match self {
+            Light::Source => format!("S_{k}"),
+            Light::Target => k.checked_sub(1).map_or("empty".to_owned(), |k| format!("S_{k}")),
+            Light::Accumulated => "S_A".to_owned(),
+        }
+    }
+
     /// Its symbol after iteration `k`.
     pub fn symbol(self, k: usize) -> String {
         match self {
@@ -66,11 +75,20 @@ impl Layer {
     }
 }
 
-/// A state of one of the tracks: a track and an iteration of it, `None` for its present one.
+/// Whose light is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Of {
+    /// That of a simulation, 0 the document's own.
+    Track(usize),
+    /// What truly arrives, the same at every iteration.
+    Truth,
+}
+
+/// Whose light is seen, and after which iteration, `None` for the present one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct State {
-    /// The track, 0 the document's own.
-    pub track: usize,
+    /// Whose.
+    pub of: Of,
     /// The iteration.
     pub iteration: Option<usize>,
 }
@@ -82,8 +100,39 @@ pub struct Pane {
     pub light: Light,
     /// Of which state.
     pub state: State,
-    /// What is subtracted: the same octree of another state.
+    /// What is subtracted: the same octree of another state. With what truly arrives on either side the other
+    /// is the merged light that has moved, which is what it can be compared with.
     pub minus: Option<State>,
+}
+
+impl Pane {
+    /// Whether light that has moved is compared with what truly arrives.
+    pub fn moved(&self) -> bool {
+        self.minus.is_some_and(|minus| minus.of == Of::Truth || self.state.of == Of::Truth)
+    }
+}
+
+/// What cells ought to hold, as their errors have it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Against {
+    /// The mean of their children.
+    #[default]
+    Children,
+    /// The mean of all finest cells in them: what a uniform volume holds there.
+    Uniform,
+    /// The mean of what truly arrives in them; the merged light that has moved is compared with it.
+    Truth,
+}
+
+impl Against {
+    /// What follows "error against" on screen.
+    pub fn name(self) -> &'static str {
+        match self {
+            Against::Children => "its children",
+            Against::Uniform => "a uniform volume",
+            Against::Truth => "what truly arrives",
+        }
+    }
 }
 
 /// The three-dimensional view.
@@ -104,13 +153,13 @@ pub struct Look {
     pub layer: Layer,
     /// Where they cut.
     pub plane: Plane,
-    /// Whether cells' errors are against a uniform volume, in place of the mean of their children.
-    pub uniform: bool,
+    /// What cells' errors are against.
+    pub against: Against,
     /// The three-dimensional view, if it is open.
     pub cloud: Option<CloudAsk>,
 }
 
-/// How far a cell is from what it ought to be: the mean of its children, or of all finest cells in it.
+/// How far a cell is from what it ought to be.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CellError {
     /// ‖O − Ô‖∞.
@@ -130,7 +179,8 @@ pub struct Shown {
     pub forgotten: bool,
     /// The light.
     pub slice: Arc<Slice>,
-    /// The error of each of the slice's cells; level 0 has none, and differences have none.
+    /// The error of each of the slice's cells. Differences have none, and level 0 has none but against what truly
+    /// arrives.
     pub errors: Vec<Option<CellError>>,
     /// The level to sample for each finest cell of the cut, row by row from below.
     pub index: Vec<u8>,

@@ -32,20 +32,28 @@ impl Lab {
                 self.items(ui, &[Command::Save, Command::SaveAs]);
                 ui.separator();
                 self.items(ui, &[Command::ExportCsv, Command::ExportSvg, Command::ExportPng, Command::ExportGrids]);
+                ui.menu_button("Size and colours of exports", |ui| self.settings.plots.format.ui(ui));
                 ui.separator();
                 self.items(ui, &[Command::Quit]);
             });
-            ui.menu_button("Edit", |ui| self.items(ui, &[Command::Undo, Command::Redo, Command::CopyCurves]));
+            ui.menu_button("Edit", |ui| {
+                self.items(ui, &[Command::Undo, Command::Redo]);
+                ui.separator();
+                self.items(ui, &[Command::CopyCurves, Command::CopyPlots, Command::CopyGrids]);
+            });
             ui.menu_button("Run", |ui| {
                 let steps = [Command::Clear, Command::Inject, Command::Downsample, Command::Propagate, Command::Merge];
                 self.items(ui, &steps);
                 ui.separator();
                 self.items(ui, &[Command::RunAll, Command::Rerun, Command::Play, Command::Stop, Command::KeepRun]);
+                self.items(ui, &[Command::Measure]);
                 ui.separator();
                 ui.checkbox(&mut self.settings.rerun, "Run again after every edit");
             });
             ui.menu_button("View", |ui| {
                 self.items(ui, &[Command::Grids, Command::Compare, Command::Space]);
+                ui.separator();
+                self.items(ui, &[Command::Errors, Command::Line, Command::RunTime]);
                 ui.separator();
                 self.items(ui, &[Command::Merged, Command::Finer, Command::Coarser]);
                 ui.separator();

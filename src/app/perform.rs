@@ -6,6 +6,7 @@ use egui::Context;
 
 use super::command::Command;
 use super::controls::Wish;
+use super::errors::Tab;
 use super::files::Purpose;
 use super::lab::Lab;
 use super::look::Layer;
@@ -23,6 +24,7 @@ impl Lab {
             Command::Back | Command::First => self.seen() > self.progress.oldest,
             Command::Forward | Command::Last => self.at.is_some(),
             Command::Restart => self.at.is_some_and(|k| k < self.progress.iteration),
+            Command::Measure => self.scene.is_some() && !self.pareto.is_underway(),
             Command::KeepRun => self.runs.iter().any(|run| !run.rows.is_empty()),
             _ => true,
         }
@@ -84,11 +86,18 @@ impl Lab {
             Command::Grids => view.stage = Stage::Grids,
             Command::Compare => self.compare(ctx),
             Command::Space => view.stage = Stage::Space,
+            Command::Errors => self.settings.plots.tab = Tab::Errors,
+            Command::Line => self.settings.plots.tab = Tab::Line,
+            Command::RunTime => self.settings.plots.tab = Tab::Pareto,
+            Command::Measure => {
+                self.settings.plots.tab = Tab::Pareto;
+                self.measure_pareto(ctx);
+            }
             Command::KeepRun => self.keep_run(),
             Command::ExportCsv | Command::ExportSvg | Command::ExportPng | Command::ExportGrids => {
                 self.files.ask(Purpose::Export(command), self.document.path());
             }
-            Command::CopyCurves => self.copy_curves(ctx),
+            Command::CopyCurves | Command::CopyPlots | Command::CopyGrids => self.copy(command, ctx),
             Command::Keys => self.keys_open = !self.keys_open,
         }
     }

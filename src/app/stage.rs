@@ -2,11 +2,11 @@
 
 use egui::{Frame, Panel, Ui};
 
-use super::compare::{Sides, letter};
+use super::compare::{Sides, letter, sides};
 use super::glyphs::Scales;
 use super::grids::Manner;
 use super::lab::Lab;
-use super::look::{Light, Pane, Shown};
+use super::look::{Light, Of, Pane, Shown};
 use super::style::theme;
 use super::view::Stage;
 use super::{compare, controls, legend};
@@ -97,22 +97,27 @@ impl Lab {
 
     pub(super) fn title(&self, shown: &Shown) -> String {
         let Pane { light, state, minus } = shown.pane;
-        let symbol = light.symbol(shown.iteration);
+        let symbol = light.letter(shown.iteration);
         let forgotten = if shown.forgotten { " (iteration no longer kept)" } else { "" };
         let by_propagators = self.comparison.sides == Sides::Propagators;
+        let letter = |of: Of| letter(sides(&self.others).iter().position(|side| *side == of).unwrap_or_default());
         match (self.settings.view.stage, minus) {
             (Stage::Compare, None) if by_propagators => {
-                let name = self.runs.get(state.track).map_or("", |run| run.name.as_str());
-                format!("{}  {name}:  {symbol}{forgotten}", letter(state.track))
+                let Of::Track(track) = state.of else {
+                    return format!("{}  what truly arrives", letter(state.of));
+                };
+                let name = self.runs.get(track).map_or("", |run| run.name.as_str());
+                format!("{}  {name}:  {symbol}{forgotten}", letter(state.of))
             }
             (Stage::Compare, Some(other)) if by_propagators => {
-                format!("{} − {}:  difference of {symbol}", letter(state.track), letter(other.track))
+                let of = if shown.pane.moved() { "light that has moved".to_owned() } else { symbol };
+                format!("{} − {}:  {of}", letter(state.of), letter(other.of))
             }
             (Stage::Compare, Some(other)) => {
                 format!("k = {} minus k = {}", shown.iteration, other.iteration.unwrap_or(self.progress.iteration))
             }
             (Stage::Compare, None) => format!("k = {}:  {} {symbol}{forgotten}", shown.iteration, light.name()),
-            _ => format!("{}  {symbol}{forgotten}", light.name()),
+            _ => format!("{}  {}{forgotten}", light.name(), light.symbol(shown.iteration)),
         }
     }
 }

@@ -3,8 +3,37 @@
 use super::history::{self, History};
 use crate::scene::Scene;
 use crate::simulation::{Action, Change, Simulation, SimulationError};
+use crate::study::ballistic::{self, Ballistic};
 use crate::study::error::{self, ErrorRow};
 use crate::study::reference;
+
+/// The errors of one state.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// By every metric.
+    pub rows: Vec<ErrorRow>,
+    /// The L1 ratio against what truly arrives after the scalar that fits best, where that is known.
+    pub best_fit: Option<f64>,
+}
+
+impl Measured {
+    /// Measures a state by every metric; by the ballistic one where there is a `truth`.
+    pub fn of(state: &Simulation<f32>, truth: Option<&Ballistic>) -> Self {
+        let uniform = reference::uniform(state);
+        let (mut rows, (corrected, merged)) = rayon::join(
+            || error::thesis(state),
+            || rayon::join(|| error::corrected(state, &uniform), || error::merged(state, &uniform)),
+        );
+        rows.extend(corrected);
+        rows.push(merged);
+        // A state that is there has had its memory: nothing is left to be refused.
+        let arrived = truth.and_then(|truth| {
+            Some((ballistic::error(state, truth).ok()?, ballistic::best_fit(state, truth).ok()?.fitted))
+        });
+        rows.extend(arrived.map(|(row, _)| row));
+        Measured { rows, best_fit: arrived.map(|(_, fitted)| fitted) }
+    }
+}
 
 /// A simulation that remembers.
 #[derive(Debug)]
@@ -40,18 +69,6 @@ impl Track {
             self.past.truncate(self.now.iteration());
         }
         change
-    }
-
-    /// The errors of the present state, by every metric that needs no other run.
-    pub fn errors(&self) -> Vec<ErrorRow> {
-        let uniform = reference::uniform(&self.now);
-        let (mut rows, (corrected, merged)) = rayon::join(
-            || error::thesis(&self.now),
-            || rayon::join(|| error::corrected(&self.now, &uniform), || error::merged(&self.now, &uniform)),
-        );
-        rows.extend(corrected);
-        rows.push(merged);
-        rows
     }
 
     /// The present state.

@@ -41,9 +41,9 @@ pub enum Heat {
     None,
     /// The mean light, c00.
     Mean,
-    /// The absolute error against the mean of the children.
+    /// The absolute error, against what the plots' metric compares with.
     Absolute,
-    /// The relative error against the mean of the children.
+    /// The relative error, against the same.
     Relative,
 }
 

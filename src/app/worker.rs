@@ -9,12 +9,15 @@
 mod desk;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
+use super::compare::Rival;
 use super::look::{Cloud, Look, Pin, PinSample, Shown};
-use crate::scene::{Preset, Propagation};
+use super::track::Measured;
+use crate::scene::{Preset, Scene};
 use crate::simulation::{Action, Change};
-use crate::study::error::ErrorRow;
+use crate::study::ballistic::Ballistic;
 
 /// What a newly loaded scene is to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,15 +33,15 @@ pub enum Start {
     },
 }
 
-/// A scene to load, and the propagators to run it through.
+/// A scene to load, and what to run beside it.
 #[derive(Clone, Debug)]
 pub struct Load {
     /// The document.
     pub preset: Preset,
     /// The folder that its paths are relative to.
     pub folder: PathBuf,
-    /// Other propagators to compare with its own.
-    pub others: Vec<Propagation>,
+    /// What its own propagator is compared with.
+    pub others: Vec<Rival>,
     /// What to do at once.
     pub start: Start,
 }
@@ -60,6 +63,8 @@ pub enum Order {
     Pin(Option<Pin>),
     /// Use this much memory, in bytes, for the past.
     Budget(usize),
+    /// Measure against what truly arrives from now on, and the past as well; or no longer.
+    Truth(Option<Arc<Ballistic>>),
     /// Break down, so that tests see what becomes of the window.
     #[cfg(test)]
     Panic,
@@ -92,20 +97,35 @@ pub struct Progress {
     pub brightest: [usize; 3],
     /// How long the last action took, in seconds.
     pub seconds: f64,
+    /// The share of the cells that the iterations so far had to compute.
+    pub visited: f64,
+    /// Past iterations that are still to be measured against what truly arrives.
+    pub behind: usize,
 }
 
 /// What the worker tells.
 #[derive(Clone, Debug)]
 pub enum News {
-    /// An action is done. `errors` holds the rows of the present iteration for each propagator; rows of it
-    /// and later ones that were told before no longer hold.
+    /// The scene that is run from now on.
+    Loaded(Arc<Scene>),
+    /// An action is done. `errors` holds what was measured of the present iteration for each propagator; what was
+    /// told of it and later ones before no longer holds.
     Done {
         /// What changed, if an action did it.
         change: Option<Change>,
         /// How far the worker is.
         progress: Progress,
         /// The errors of the present iteration.
-        errors: Vec<Vec<ErrorRow>>,
+        errors: Vec<Measured>,
+    },
+    /// A past iteration has been measured anew.
+    Measured {
+        /// The iteration.
+        iteration: usize,
+        /// Its errors for each propagator.
+        errors: Vec<Measured>,
+        /// How many are still to come.
+        behind: usize,
     },
     /// What is to be seen, as it is.
     Shown {
@@ -134,11 +154,11 @@ pub struct Worker {
 
 impl Worker {
     /// Starts the thread; `wake` is called after each of its news.
-    pub fn start(budget: usize, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
+    pub fn start(budget: usize, wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
         let (orders, inbox) = channel();
         let (outbox, news) = channel();
         std::thread::Builder::new().name("worker".to_owned()).spawn(move || {
-            desk::Desk::new(inbox, outbox, Box::new(wake), budget).work();
+            desk::Desk::new(inbox, outbox, Arc::new(wake), budget).work();
         })?;
         Ok(Worker { orders, news, generation: 0 })
     }
@@ -165,7 +185,7 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::app::look::{Layer, Light, Pane, State};
+    use crate::app::look::{Against, Layer, Light, Of, Pane, State};
     use crate::report::slice::Plane;
 
     fn load(size: usize, start: Start) -> Order {
@@ -175,13 +195,13 @@ mod tests {
     }
 
     fn look(iteration: Option<usize>) -> Order {
-        let state = State { track: 0, iteration };
+        let state = State { of: Of::Track(0), iteration };
         let pane = Pane { light: Light::Accumulated, state, minus: None };
         Order::Look(Look {
             panes: vec![pane],
             layer: Layer::Merged,
             plane: Plane::default(),
-            uniform: false,
+            against: Against::Children,
             cloud: None,
         })
     }
@@ -257,17 +277,19 @@ mod tests {
         let preset = Preset::parse(text, Path::new("test")).unwrap();
         let start = Start::To { iteration: 1000, merge: true };
         worker.order(Order::Load(Box::new(Load { preset, folder: PathBuf::new(), others: Vec::new(), start })));
-        let (mut warned, mut reached) = (false, 0);
-        let line = loop {
+        let (mut warning, mut failure, mut reached) = (None, None, 0);
+        while warning.is_none() || failure.is_none() {
             let news = wait(&worker, |news| Some(news.clone()));
             match news {
-                News::Warned(line) => warned = line.contains("level 0 (4³)"),
+                News::Warned(line) => warning = Some(line),
                 News::Done { progress, .. } => reached = progress.iteration,
-                News::Failed(line) => break line,
+                News::Failed(line) => failure = Some(line),
                 _ => {}
             }
-        };
-        assert!(warned && line.contains(&format!("iteration {} could take level 0", reached + 1)), "{line}");
+        }
+        assert!(warning.unwrap().contains("level 0 (4³)"));
+        let line = failure.unwrap();
+        assert!(line.contains(&format!("iteration {} could take level 0", reached + 1)), "{line}");
         // The window lives on: another factor from the same light.
         worker.order(load(4, Start::To { iteration: 3, merge: false }));
         wait(&worker, |news| matches!(news, News::Done { progress, .. } if progress.iteration == 3).then_some(()));

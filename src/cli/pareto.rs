@@ -8,7 +8,7 @@ use super::CliError;
 use super::output::Folder;
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
-use crate::report::table::Table;
+use crate::report::table;
 use crate::scene::Scene;
 use crate::study::pareto::{self, Row};
 
@@ -36,11 +36,11 @@ pub fn run(scenes: &[(String, Scene)], rounds: usize, folder: &Folder) -> Result
         bar.finish_and_clear();
     }
     let all: Vec<&Row> = rows.iter().collect();
-    folder.write_table("pareto.csv", &table(&all))?;
+    folder.write_table("pareto.csv", &table::pareto(&all))?;
     for kind in kinds(&rows) {
         let Kind { preset, size, reference } = kind;
         println!("\nThe fastest way to each error, {preset}, n = {size}, against {reference}:");
-        print!("{}", table(&pareto::front(&of_kind(&rows, kind))).to_text());
+        print!("{}", table::pareto(&pareto::front(&of_kind(&rows, kind))).to_text());
     }
     folder.write_svg_and_png("pareto", &figure(&rows).to_svg())
 }
@@ -72,26 +72,6 @@ fn kinds(rows: &[Row]) -> Vec<Kind<'_>> {
 
 fn of_kind<'a>(rows: &'a [Row], kind: Kind<'_>) -> Vec<&'a Row> {
     rows.iter().filter(|row| Kind::of(row) == kind).collect()
-}
-
-/// Rows as `pareto.csv` has them.
-fn table(rows: &[&Row]) -> Table<9> {
-    let mut table =
-        Table::new(["preset", "scheme", "levels", "size", "iterations", "seconds", "reference", "l1", "l1_best_fit"]);
-    for row in rows {
-        table.push([
-            row.preset.as_str().into(),
-            row.scheme.as_str().into(),
-            row.levels.into(),
-            row.size.into(),
-            row.iterations.into(),
-            row.seconds.into(),
-            row.reference.into(),
-            row.l1.raw.into(),
-            row.l1.fitted.into(),
-        ]);
-    }
-    table
 }
 
 /// Best-fit error over time, a plot for each scene (at its largest size) and reference: `cascaded` by each way, the

@@ -9,8 +9,13 @@ use super::glyph::{GlyphScale, Glyphs, Hue, Outline};
 use super::number::short;
 use super::picture::{Picture, Seen};
 use super::slice::Axis;
-use super::svg::{Anchor, PathData, Stroke, Svg, Type, text_width};
+use super::svg::{Anchor, PathData, Stroke, Svg, Type, text_width, wrapped};
 use crate::sh::Sh;
+
+/// Room for the circle below a panel, in heights of text.
+const SCALE_SIGN: f64 = 2.0;
+/// From one line of text to the next, in heights of text.
+pub(super) const LEADING: f64 = 1.3;
 
 /// The explanations below a picture.
 pub(super) struct Legend<'a> {
@@ -58,7 +63,18 @@ impl<'a> Legend<'a> {
 
     /// In pixels.
     pub fn height(&self) -> f64 {
-        1.8 * self.em * self.rows().len() as f64
+        self.rows().iter().map(|row| self.row_height(row)).sum()
+    }
+
+    fn row_height(&self, row: &[(f64, usize)]) -> f64 {
+        let lines = row.iter().map(|(x, i)| self.lines(*x, *i).len()).max().unwrap_or(1);
+        (1.8 + LEADING * (lines as f64 - 1.0)) * self.em
+    }
+
+    /// An item's text, in as many lines as it takes from its place to the right margin.
+    fn lines(&self, x: f64, item: usize) -> Vec<String> {
+        let (sign, text) = &self.items[item];
+        wrapped(text, self.em, self.width - x - self.sign_width(*sign))
     }
 
     /// The items of each row, with their distance from the left.
@@ -85,15 +101,17 @@ impl<'a> Legend<'a> {
     }
 
     pub fn draw(&self, svg: &mut Svg, [left, top]: [f64; 2]) {
-        for (line, row) in self.rows().into_iter().enumerate() {
-            let y = top + 1.8 * self.em * line as f64 + 0.9 * self.em;
-            for (x, i) in row {
-                let (sign, text) = &self.items[i];
-                self.draw_sign(svg, *sign, [left + x, y]);
+        let mut y = top + 0.9 * self.em;
+        for row in self.rows() {
+            for &(x, i) in &row {
+                let sign = self.items[i].0;
+                self.draw_sign(svg, sign, [left + x, y]);
                 let set = Type { size: self.em, color: self.picture.theme.ink, anchor: Anchor::Start };
-                let beside = x + self.sign_width(*sign);
-                svg.text([left + beside, y + 0.35 * self.em], text, set.fitting(text, self.width - beside));
+                let beside = x + self.sign_width(sign);
+                let at = [left + beside, y + 0.35 * self.em];
+                svg.lines(at, &self.lines(x, i), set, LEADING * self.em, self.width - beside);
             }
+            y += self.row_height(&row);
         }
     }
 
@@ -156,19 +174,25 @@ impl<'a> Legend<'a> {
     }
 
     /// Under a panel: a cell with the circle that just fills it, and the intensity that this stands for.
-    pub fn draw_scale(&self, svg: &mut Svg, scale: GlyphScale, seen: Seen, [left, y]: [f64; 2], width: f64) {
+    pub fn draw_scale(&self, svg: &mut Svg, text: &[String], [left, y]: [f64; 2], width: f64) {
         let (em, theme) = (self.em, &self.picture.theme);
         let (low, high) = (y - 0.95 * em, y + 0.45 * em);
         let mut cell = PathData::default();
         cell.polygon([[left, low], [left + 1.4 * em, low], [left + 1.4 * em, high], [left, high]]);
         svg.outline(cell.as_str(), Stroke::solid(theme.muted, (em * 0.06).max(0.5)));
         svg.disc([left + 0.7 * em, (low + high) / 2.0], 0.48 * 1.4 * em, self.glyph_color());
+        let set = Type { size: em, color: theme.muted, anchor: Anchor::Start };
+        svg.lines([left + SCALE_SIGN * em, y + 0.1 * em], text, set, LEADING * em, width - SCALE_SIGN * em);
+    }
+
+    /// What stands beside that circle, in lines that fit below a panel.
+    pub fn scale_text(&self, scale: GlyphScale, seen: Seen, width: f64) -> Vec<String> {
         let mut text = match scale {
-            GlyphScale::Linear { full } => format!("full cell: {} sr⁻¹", short(f64::from(full), 2)),
+            GlyphScale::Linear { full } => format!("full cell: {}\u{a0}sr⁻¹", short(f64::from(full), 2)),
             GlyphScale::Log { full, decades } => {
                 let least = f64::from(full) * 10f64.powf(-f64::from(decades));
                 format!(
-                    "logarithmic; full cell: {} sr⁻¹, none below {} sr⁻¹",
+                    "logarithmic; full cell: {}\u{a0}sr⁻¹, none below {}\u{a0}sr⁻¹",
                     short(f64::from(full), 2),
                     short(least, 2)
                 )
@@ -178,8 +202,7 @@ impl<'a> Legend<'a> {
         if seen.clipped > 0 {
             text += &format!("; {} cut at the cell", seen.clipped);
         }
-        let set = Type { size: em, color: theme.muted, anchor: Anchor::Start };
-        svg.text([left + 2.0 * em, y + 0.1 * em], &text, set.fitting(&text, width - 2.0 * em));
+        wrapped(&text, self.em, width - SCALE_SIGN * self.em)
     }
 }
 

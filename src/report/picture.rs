@@ -1,13 +1,16 @@
 //! Slices as a picture for a paper: polar glyphs side by side, with axes and a legend, as SVG or PNG.
 
+mod plan;
+
 use std::collections::BTreeMap;
 
 use super::colour::{Paint, Rgb, Theme};
 use super::glyph::{self, GlyphScale, Glyphs, Hue, Outline};
-use super::legend::Legend;
+use super::legend::{LEADING, Legend};
 use super::raster::{self, RasterError};
 use super::slice::{Axis, Slice};
 use super::svg::{Anchor, PathData, Stroke, Svg, Type};
+use plan::{MARGIN, Plan};
 
 /// One slice in a picture.
 #[derive(Clone, Copy, Debug)]
@@ -76,36 +79,37 @@ const SMALLEST_EXPLAINED_LOBE: f32 = 0.03;
 impl Picture<'_> {
     /// The picture as SVG.
     pub fn to_svg(&self) -> String {
-        let width = f64::from(self.width.max(64));
         let count = self.panels.len().max(1) as f64;
-        let em = (width / (36.0 * count).max(56.0)).max(6.0);
-        let (margin, gutter, gap) = (1.4 * em, 3.5 * em, 1.4 * em);
-        let side = ((width - 2.0 * margin - (count - 1.0) * gap) / count - gutter).max(em);
-        let head = margin + 1.5 * em + if self.subtitle.is_empty() { 0.0 } else { 1.5 * em };
-        let top = head + 2.4 * em;
-        let left = |i: usize| margin + gutter + i as f64 * (side + gutter + gap);
-        let legend_top = top + side + 5.6 * em;
+        let em = f64::from(self.width.max(64)) / (36.0 * count).max(56.0);
+        self.to_svg_set(em.max(6.0), None)
+    }
 
+    /// The picture as SVG with ordinary text `em` pixels high. Where they would be small side by side, panels
+    /// go below each other; with a `height`, they are as large as it allows.
+    pub fn to_svg_set(&self, em: f64, height: Option<f64>) -> String {
         let seen: Vec<Seen> = self.panels.iter().map(|panel| self.seen(panel)).collect();
-        let legend = Legend::new(self, &seen, em, width - 2.0 * margin);
-        let height = (legend_top + legend.height() + margin).ceil();
+        let width = f64::from(self.width.max(64));
+        let legend = Legend::new(self, &seen, em, width - 2.0 * MARGIN * em);
+        let plan = Plan::new(self, width, height, em, &legend, &seen);
 
-        let mut svg = Svg::new(width, height, self.theme.ground, self.title);
+        let mut svg = Svg::new(width, plan.height, self.theme.ground, self.title);
         let set = |size: f64, color: Rgb| Type { size: size * em, color, anchor: Anchor::Start };
-        let title = set(1.5, self.theme.ink).fitting(self.title, width - 2.0 * margin);
+        let (margin, room) = (MARGIN * em, width - 2.0 * MARGIN * em);
+        let title = set(1.5, self.theme.ink).fitting(self.title, room);
         svg.text([margin, margin + 1.1 * em], self.title, title);
-        if !self.subtitle.is_empty() {
-            let subtitle = set(1.0, self.theme.muted).fitting(self.subtitle, width - 2.0 * margin);
-            svg.text([margin, margin + 2.8 * em], self.subtitle, subtitle);
-        }
+        svg.lines([margin, margin + 2.8 * em], &plan.subtitle, set(1.0, self.theme.muted), LEADING * em, room);
         for (i, panel) in self.panels.iter().enumerate() {
-            let frame = Frame { corner: [left(i), top], side, em, cells: panel.slice.side };
-            svg.text([left(i), top - 0.7 * em], panel.title, set(1.15, self.theme.ink).fitting(panel.title, side));
+            let (corner, side) = (plan.corner(i), plan.side);
+            let frame = Frame { corner, side, em, cells: panel.slice.side };
+            let title = &plan.titles[i];
+            let above = corner[1] - (0.7 + LEADING * (title.len() as f64 - 1.0)) * em;
+            svg.lines([corner[0], above], title, set(1.15, self.theme.ink), LEADING * em, side);
             self.draw_light(&mut svg, panel, &frame);
             self.draw_axes(&mut svg, panel.slice, &frame);
-            legend.draw_scale(&mut svg, panel.scale, seen[i], [left(i), top + side + 4.2 * em], side);
+            let below = [corner[0], corner[1] + side + 4.2 * em];
+            legend.draw_scale(&mut svg, &plan.scales[i], below, side);
         }
-        legend.draw(&mut svg, [margin, legend_top]);
+        legend.draw(&mut svg, [margin, plan.legend]);
         svg.finish()
     }
 

@@ -15,6 +15,8 @@ pub enum Dash {
     Dashed,
     /// In dots.
     Dotted,
+    /// Only its points.
+    Points,
 }
 
 /// A curve: points in the order in which they are joined.
@@ -70,15 +72,24 @@ pub struct Figure {
     pub size: [u32; 2],
 }
 
+/// In figures that are less wide than this many heights of text legends stand below the curves.
+const NARROW: f64 = 48.0;
+
 /// Curves of at most this many points show each of them.
 const DOTTED_UP_TO: usize = 40;
 
 impl Figure {
     /// The figure as SVG.
     pub fn to_svg(&self) -> String {
+        self.to_svg_set((f64::from(self.size[0].max(64)) / 66.0).max(6.0))
+    }
+
+    /// The figure as SVG with ordinary text `em` pixels high. Where it is narrow for that, legends stand below
+    /// the curves.
+    pub fn to_svg_set(&self, em: f64) -> String {
         let [width, height] = self.size.map(|side| f64::from(side.max(64)));
-        let em = (width / 66.0).max(6.0);
         let margin = 1.3 * em;
+        let narrow = width < NARROW * em;
         let set = |size: f64, color, anchor| Type { size: size * em, color, anchor };
         let mut svg = Svg::new(width, height, self.theme.ground, &self.title);
         let mut top = margin;
@@ -89,28 +100,41 @@ impl Figure {
         }
         let names = self.plots.iter().flat_map(|plot| &plot.curves).map(|curve| text_width(&curve.name, em));
         let widest = names.fold(0.0, f64::max);
-        let legend = if widest > 0.0 { (widest + 4.2 * em).min(0.36 * width) } else { 0.0 };
-        let each = (height - margin - top) / self.plots.len().max(1) as f64;
+        let beside = if widest > 0.0 && !narrow { (widest + 4.2 * em).min(0.36 * width) } else { 0.0 };
+        let below = self.legends(if narrow { width - 2.0 * margin } else { f64::INFINITY }, em);
+        let lines = if narrow { below.iter().map(Vec::len).sum::<usize>() as f64 } else { 0.0 };
+        let legends = if narrow { below.iter().filter(|rows| !rows.is_empty()).count() as f64 } else { 0.0 };
+        let each = (height - margin - top - (1.5 * lines + 0.7 * legends) * em) / self.plots.len().max(1) as f64;
         let axes: Vec<[Axis; 2]> = self.plots.iter().map(Plot::axes).collect();
         // All plots begin at the same distance from the left, so that their x axes can be compared.
         let labels = axes.iter().flat_map(|[_, y]| y.ticks(8)).filter_map(|tick| tick.label);
         let gutter = labels.map(|label| text_width(&label, 0.95 * em)).fold(2.0 * em, f64::max) + 2.6 * em;
-        let mut explained: Vec<(&str, usize, Dash)> = Vec::new();
-        for (plot, axes) in self.plots.iter().zip(&axes) {
+        for ((plot, axes), legend) in self.plots.iter().zip(&axes).zip(below) {
             // Marks have a line of their own between the title and the curves.
             let head = if plot.marks.is_empty() { 1.9 * em } else { 3.1 * em };
             let corner = [margin + gutter, top + head];
-            let size = [(width - 2.0 * margin - gutter - legend).max(em), (each - head - 3.5 * em).max(em)];
+            let size = [(width - 2.0 * margin - gutter - beside).max(em), (each - head - 3.5 * em).max(em)];
             let frame = Frame { corner, size, em, axes };
             self.draw_axes(&mut svg, plot, &frame);
             frame.draw_curves(&mut svg, plot, &self.theme);
-            let entries: Vec<_> = plot.curves.iter().map(|c| (c.name.as_str(), c.color, c.dash)).collect();
-            if entries != explained {
-                let at = [corner[0] + size[0] + 1.4 * em, corner[1]];
-                self.draw_legend(&mut svg, &entries, at, legend - 1.4 * em, em);
-                explained = entries;
-            }
             top += each;
+            if narrow && !legend.is_empty() {
+                top += 0.7 * em;
+                for row in legend {
+                    let mut x = margin;
+                    for entry in row {
+                        self.draw_entry(&mut svg, &entry, [x, top], width - margin - x, em);
+                        x += entry.width(em);
+                    }
+                    top += 1.5 * em;
+                }
+            } else if !narrow {
+                let x = corner[0] + size[0] + 1.4 * em;
+                for (line, entry) in legend.iter().flatten().enumerate() {
+                    let y = corner[1] + em * (0.6 + 1.5 * line as f64);
+                    self.draw_entry(&mut svg, entry, [x, y], beside - 1.4 * em, em);
+                }
+            }
         }
         svg.finish()
     }
@@ -158,14 +182,57 @@ impl Figure {
         svg.turned_text([0.5 * em + y_label.size, top + height / 2.0], &plot.y_label, y_label, -90.0);
     }
 
-    fn draw_legend(&self, svg: &mut Svg, entries: &[(&str, usize, Dash)], at: [f64; 2], width: f64, em: f64) {
-        let named = entries.iter().filter(|(name, ..)| !name.is_empty());
-        for (line, (name, color, dash)) in named.enumerate() {
-            let y = at[1] + em * (0.6 + 1.5 * line as f64);
-            svg.line([at[0], y], [at[0] + 2.0 * em, y], stroke(&self.theme, *color, *dash, em));
-            let set = Type { size: em, color: self.theme.ink, anchor: Anchor::Start };
-            svg.text([at[0] + 2.5 * em, y + 0.34 * em], name, set.fitting(name, width - 2.5 * em));
+    /// What each plot's legend says, in rows no wider than `width`; none where the plot before says the same.
+    fn legends(&self, width: f64, em: f64) -> Vec<Vec<Vec<Entry<'_>>>> {
+        let mut explained: Vec<Entry> = Vec::new();
+        let mut legends = Vec::new();
+        for plot in &self.plots {
+            let named = plot.curves.iter().filter(|curve| !curve.name.is_empty());
+            let entries: Vec<Entry> =
+                named.map(|curve| Entry { name: &curve.name, color: curve.color, dash: curve.dash }).collect();
+            let mut rows: Vec<Vec<Entry>> = Vec::new();
+            if entries != explained {
+                explained.clone_from(&entries);
+                let mut x = f64::INFINITY;
+                for entry in entries {
+                    let wide = entry.width(em);
+                    match rows.last_mut() {
+                        Some(row) if x + wide <= width => row.push(entry),
+                        _ => {
+                            rows.push(vec![entry]);
+                            x = 0.0;
+                        }
+                    }
+                    x += wide;
+                }
+            }
+            legends.push(rows);
         }
+        legends
+    }
+
+    fn draw_entry(&self, svg: &mut Svg, entry: &Entry, [x, y]: [f64; 2], width: f64, em: f64) {
+        match entry.dash {
+            Dash::Points => svg.disc([x + em, y], 0.3 * em, self.theme.curve(entry.color)),
+            dash => svg.line([x, y], [x + 2.0 * em, y], stroke(&self.theme, entry.color, dash, em)),
+        }
+        let set = Type { size: em, color: self.theme.ink, anchor: Anchor::Start };
+        svg.text([x + 2.5 * em, y + 0.34 * em], entry.name, set.fitting(entry.name, width - 2.5 * em));
+    }
+}
+
+/// A line of a legend.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Entry<'a> {
+    name: &'a str,
+    color: usize,
+    dash: Dash,
+}
+
+impl Entry<'_> {
+    /// In pixels, with the gap to the next.
+    fn width(&self, em: f64) -> f64 {
+        text_width(self.name, em) + 4.0 * em
     }
 }
 
@@ -215,12 +282,15 @@ impl Frame<'_> {
                     if i == 0 { path.start(point) } else { path.to(point) }
                 }
                 // A point between two gaps has no line to show it.
-                if run.len() == 1 || curve.points.len() <= DOTTED_UP_TO {
+                if run.len() == 1 || curve.points.len() <= DOTTED_UP_TO || curve.dash == Dash::Points {
+                    let radius = if curve.dash == Dash::Points { 0.3 } else { 0.2 } * self.em;
                     let dots = run.iter().map(|point| self.place(point));
-                    dots.for_each(|at| svg.disc(at, 0.2 * self.em, theme.curve(curve.color)));
+                    dots.for_each(|at| svg.disc(at, radius, theme.curve(curve.color)));
                 }
             }
-            svg.outline(path.as_str(), stroke(theme, curve.color, curve.dash, self.em));
+            if curve.dash != Dash::Points {
+                svg.outline(path.as_str(), stroke(theme, curve.color, curve.dash, self.em));
+            }
         }
         if !plot.curves.iter().flat_map(|curve| &curve.points).any(|point| plot.shows(point)) {
             let at = [self.corner[0] + self.size[0] / 2.0, self.corner[1] + self.size[1] / 2.0];
@@ -248,7 +318,7 @@ impl Frame<'_> {
 
 fn stroke(theme: &Theme, color: usize, dash: Dash, em: f64) -> Stroke {
     let dashes: &[f64] = match dash {
-        Dash::Solid => &[],
+        Dash::Solid | Dash::Points => &[],
         Dash::Dashed => &[6.0, 4.0],
         Dash::Dotted => &[1.5, 3.0],
     };
@@ -331,6 +401,30 @@ mod tests {
         assert!(drawn(&svg, "cx").is_empty());
         let pixels = Pixmap::decode_png(&raster::png(&svg).unwrap()).unwrap();
         assert_eq!((pixels.width(), pixels.height()), (800, 500));
+    }
+
+    #[test]
+    fn points_are_not_joined() {
+        let points = (0..50).map(|k| [f64::from(k), f64::from(k)]).collect();
+        let curve = Curve { name: "ways".to_owned(), points, color: 0, dash: Dash::Points };
+        let svg = figure(Plot { curves: vec![curve], ..Plot::default() }).to_svg();
+        // Fifty, and the one in the legend.
+        assert_eq!(drawn(&svg, "cx").len(), 51);
+        assert_eq!(svg.matches(&format!("stroke=\"{}\"", Theme::LIGHT.curve(0).css())).count(), 0);
+    }
+
+    #[test]
+    fn in_a_narrow_figure_text_keeps_its_size_and_the_legend_stands_below() {
+        let narrow = Figure { size: [320, 400], ..figure(plot(vec![[0.0, 1.0], [1.0, 2.0]], false)) };
+        let svg = narrow.to_svg_set(10.0);
+        let document = Document::parse(&svg).unwrap();
+        let texts = document.descendants().filter(|n| n.has_tag_name("text"));
+        assert!(texts.clone().all(|n| n.attribute("font-size").unwrap().parse::<f64>().unwrap() >= 9.5));
+        let place = |what: &str| -> f64 {
+            texts.clone().find(|n| n.text() == Some(what)).unwrap().attribute("y").unwrap().parse().unwrap()
+        };
+        assert!(path_points(&drawn(&svg, "d")[0]).iter().all(|[_, y]| *y < place("mean")));
+        assert!(place("mean") < 400.0);
     }
 
     #[test]

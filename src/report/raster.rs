@@ -38,16 +38,32 @@ pub enum RasterError {
 /// # Errors
 /// Where the text is not SVG or its size is none that can be held in memory.
 pub fn png(svg: &str) -> Result<Vec<u8>, RasterError> {
+    png_at(svg, 1.0)
+}
+
+/// The same with so many pixels for each unit of the SVG.
+///
+/// # Errors
+/// As [`png`].
+pub fn png_at(svg: &str, pixels_each: f32) -> Result<Vec<u8>, RasterError> {
+    pixels(svg, pixels_each)?.encode_png().map_err(|error| RasterError::Png(error.to_string()))
+}
+
+/// The picture as pixels, so many for each unit of the SVG.
+///
+/// # Errors
+/// As [`png`].
+pub fn pixels(svg: &str, pixels_each: f32) -> Result<Pixmap, RasterError> {
     let tree = tree(svg)?;
-    let size = tree.size().to_int_size();
-    let (width, height) = (size.width(), size.height());
+    let side = |units: f32| (units * pixels_each).ceil() as u32;
+    let (width, height) = (side(tree.size().width()), side(tree.size().height()));
     let wrong_size = RasterError::Size { width, height };
     if width > LARGEST_SIDE || height > LARGEST_SIDE {
         return Err(wrong_size);
     }
     let mut pixels = Pixmap::new(width, height).ok_or(wrong_size)?;
-    resvg::render(&tree, Transform::identity(), &mut pixels.as_mut());
-    pixels.encode_png().map_err(|error| RasterError::Png(error.to_string()))
+    resvg::render(&tree, Transform::from_scale(pixels_each, pixels_each), &mut pixels.as_mut());
+    Ok(pixels)
 }
 
 /// The picture as a tree of shapes, its text already turned into outlines.

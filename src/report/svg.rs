@@ -76,6 +76,25 @@ pub fn text_width(text: &str, size: f64) -> f64 {
     size * text.chars().map(ems).sum::<f64>()
 }
 
+/// A text in lines that are no wider than `width` pixels, broken at its spaces but
+/// not at no-break spaces; a word that is wider stands alone.
+pub fn wrapped(text: &str, size: f64, width: f64) -> Vec<String> {
+    if text_width(text, size) <= width {
+        return vec![text.to_owned()];
+    }
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ').filter(|word| !word.is_empty()) {
+        match lines.last_mut() {
+            Some(line) if text_width(&format!("{line} {word}"), size) <= width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
 /// A drawing.
 #[derive(Clone, Debug)]
 pub struct Svg {
@@ -132,6 +151,14 @@ impl Svg {
     /// A line of text on the base line at `at`.
     pub fn text(&mut self, at: [f64; 2], text: &str, set: Type) {
         self.turned_text(at, text, set, 0.0);
+    }
+
+    /// Lines of text under each other, `leading` pixels apart, the first on the base line at `at`; what is wider
+    /// than `width` even so is set smaller.
+    pub fn lines(&mut self, [x, y]: [f64; 2], lines: &[String], set: Type, leading: f64, width: f64) {
+        for (i, line) in lines.iter().enumerate() {
+            self.text([x, y + leading * i as f64], line, set.fitting(line, width));
+        }
     }
 
     /// A line of text turned clockwise by `degrees` about `at`.

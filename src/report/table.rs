@@ -4,6 +4,7 @@ use std::io;
 
 use super::number::plain;
 use crate::study::error::ErrorRow;
+use crate::study::pareto;
 
 /// What stands in one place of a table.
 #[derive(Clone, Debug, PartialEq)]
@@ -129,6 +130,26 @@ pub fn errors(rows: &[ErrorRow]) -> Table<9> {
             row.relative_max.into(),
             row.l1_ratio.into(),
             row.undefined.into(),
+        ]);
+    }
+    table
+}
+
+/// Ways to get at the light of a scene, as `pareto.csv` has them.
+pub fn pareto(rows: &[&pareto::Row]) -> Table<9> {
+    let mut table =
+        Table::new(["preset", "scheme", "levels", "size", "iterations", "seconds", "reference", "l1", "l1_best_fit"]);
+    for row in rows {
+        table.push([
+            row.preset.as_str().into(),
+            row.scheme.as_str().into(),
+            row.levels.into(),
+            row.size.into(),
+            row.iterations.into(),
+            row.seconds.into(),
+            row.reference.into(),
+            row.l1.raw.into(),
+            row.l1.fitted.into(),
         ]);
     }
     table

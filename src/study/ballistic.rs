@@ -174,6 +174,11 @@ pub fn error<T: Real>(simulation: &Simulation<T>, truth: &Ballistic) -> Result<E
     Ok(tally.row(simulation.iteration(), Metric::Ballistic, None))
 }
 
+/// The L1 ratio of the merged light that has moved, as it is and after the scalar that fits best.
+pub fn best_fit(simulation: &Simulation<f32>, truth: &Ballistic) -> Result<BestFit, SimulationError> {
+    Ok(l1(&error::channel_scales(simulation), &moved(simulation)?, &truth.light))
+}
+
 /// S_A − S_0 of each channel: the merged light without the light that was injected.
 pub fn moved<T: Real>(simulation: &Simulation<T>) -> Result<Vec<Grid<T>>, SimulationError> {
     let scene = simulation.scene();

@@ -78,14 +78,27 @@ pub fn measure(
     rounds: usize,
     progress: &(dyn Fn(f64) -> bool + Sync),
 ) -> Result<Option<Vec<Row>>, SimulationError> {
+    let Some(truth) = Ballistic::new(scene, &|share| progress(TRUTH * share))? else { return Ok(None) };
+    measure_against(name, scene, &truth, rounds, &|share| progress(TRUTH + (1.0 - TRUTH) * share))
+}
+
+/// The part of the work that the ballistic reference counts as in what is told of progress.
+const TRUTH: f64 = 0.25;
+
+/// [`measure`], where the ballistic reference of the scene is there already.
+pub fn measure_against(
+    name: &str,
+    scene: &Scene,
+    truth: &Ballistic,
+    rounds: usize,
+    progress: &dyn Fn(f64) -> bool,
+) -> Result<Option<Vec<Row>>, SimulationError> {
     let mut ways = way::all();
-    let steps = (REFERENCE_STEPS + scheme::names().len() + ways.len() * (1 + rounds)) as f64;
-    let part = |done: f64| progress(done * REFERENCE_STEPS as f64 / steps);
-    let Some(truth) = Ballistic::new(scene, &part)? else { return Ok(None) };
-    let mut done = REFERENCE_STEPS;
+    let steps = (scheme::names().len() + ways.len() * (1 + rounds)) as f64;
+    let mut done = 0;
     let mut go_on = || {
         done += 1;
-        progress(done as f64 / steps)
+        progress(f64::from(done) / steps)
     };
     let start = Start::new(scene)?;
     let mut fixed_points = Vec::new();
@@ -137,9 +150,6 @@ pub fn measure(
     }
     Ok(Some(rows))
 }
-
-/// How many runs of a way the ballistic reference counts as in what is told of progress.
-const REFERENCE_STEPS: usize = 100;
 
 /// The fixed point of the uniform volume, solved for or iterated.
 fn fixed_point(scene: &Scene) -> Result<Vec<Grid<f32>>, SimulationError> {

@@ -3,6 +3,7 @@
 use egui::{DragValue, Ui};
 
 use super::field::{choice, number, row};
+use crate::app::critical::warning;
 use crate::propagate::levels::Policy;
 use crate::propagate::ordinates;
 use crate::propagate::ordinates::directions::Lattice;
@@ -11,12 +12,14 @@ use crate::propagate::ordinates::shares::Rule;
 use crate::propagate::{self, scheme};
 use crate::scene::Propagation;
 use crate::scene::preset::{MOST_ITERATIONS, Snapshots};
+use crate::study::stability::outlook::Exceeded;
 
 /// The largest factor that can be dragged to: far beyond where every scheme grows without bound.
 const LARGEST_FACTOR: f64 = 100.0;
 
-/// The fields of a propagator; those that the preset shares with no other.
-pub fn ui(ui: &mut Ui, propagation: &mut Propagation) {
+/// The fields of a propagator; those that the preset shares with no other. `exceeded` is a level that bears less
+/// than its factor.
+pub fn ui(ui: &mut Ui, propagation: &mut Propagation, exceeded: Option<Exceeded>) {
     let schemes: Vec<String> = propagate::names().iter().map(|name| (*name).to_owned()).collect();
     let about = scheme::find(&propagation.scheme);
     let hint = match about {
@@ -34,6 +37,7 @@ pub fn ui(ui: &mut Ui, propagation: &mut Propagation) {
         "The propagation factor; with the cascaded scheme and ordinates 4 keeps all energy, 3 three quarters",
         field,
     );
+    warning(ui, exceeded);
     let field = DragValue::new(&mut propagation.iterations).range(0..=MOST_ITERATIONS).speed(0.1);
     number(ui, "Iterations", "How many iterations Run all does", field);
     let text = |snapshots: &Snapshots| match snapshots {

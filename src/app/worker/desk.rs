@@ -1,15 +1,18 @@
 //! The worker's own end: the tracks, the run in progress and the orders as they come in.
 
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvError, Sender, TryRecvError};
 use std::time::{Duration, Instant};
 
 use super::{Load, News, Order, Progress, Start};
 use crate::app::cut;
 use crate::app::look::{Look, Pin};
-use crate::app::track::Track;
+use crate::app::track::{Measured, Track};
 use crate::scene::Scene;
 use crate::simulation::{Action, Change};
+use crate::study::ballistic::Ballistic;
 use crate::study::stability::outlook;
 
 /// The least time between two pictures of a run in progress.
@@ -26,7 +29,7 @@ struct Run {
 pub struct Desk {
     inbox: Receiver<(u64, Order)>,
     outbox: Sender<(u64, News)>,
-    wake: Box<dyn Fn() + Send>,
+    wake: Arc<dyn Fn() + Send + Sync>,
     generation: u64,
     tracks: Vec<Track>,
     run: Option<Run>,
@@ -37,6 +40,10 @@ pub struct Desk {
     brightest: [usize; 3],
     seconds: f64,
     pictured: Option<Instant>,
+    /// What is measured against; it is that of the scene that runs.
+    truth: Option<Arc<Ballistic>>,
+    /// The past iterations that are still to be measured against it: those that were there before it.
+    unmeasured: Range<usize>,
 }
 
 impl Desk {
@@ -44,7 +51,7 @@ impl Desk {
     pub fn new(
         inbox: Receiver<(u64, Order)>,
         outbox: Sender<(u64, News)>,
-        wake: Box<dyn Fn() + Send>,
+        wake: Arc<dyn Fn() + Send + Sync>,
         budget: usize,
     ) -> Self {
         Desk {
@@ -61,6 +68,8 @@ impl Desk {
             brightest: [0; 3],
             seconds: 0.0,
             pictured: None,
+            truth: None,
+            unmeasured: 0..0,
         }
     }
 
@@ -71,15 +80,16 @@ impl Desk {
                 // What the panic left half done is not to be shown.
                 self.tracks.clear();
                 self.run = None;
+                self.unmeasured = 0..0;
                 self.tell(News::Failed("the computation broke down; edit the scene or run it again".to_owned()));
             }
         }
     }
 
-    /// The orders that are to be followed now; none while a run has nothing in its way.
+    /// The orders that are to be followed now; none while work in progress has nothing in its way.
     fn wait(&self) -> Result<Vec<(u64, Order)>, RecvError> {
         let mut orders = Vec::new();
-        if self.run.is_none() {
+        if self.run.is_none() && self.unmeasured.is_empty() {
             orders.push(self.inbox.recv()?);
         }
         loop {
@@ -97,7 +107,7 @@ impl Desk {
             self.generation = generation;
             self.follow(order);
         }
-        let Some(run) = self.run else { return };
+        let Some(run) = self.run else { return self.catch_up() };
         if self.iteration() < run.until {
             self.act(Action::Propagate);
             if self.run.is_none() {
@@ -137,6 +147,7 @@ impl Desk {
                     self.tell(News::Failed(format!("iteration {k} is no longer remembered; run the scene again")));
                 }
                 self.merged = false;
+                self.unmeasured.end = self.unmeasured.end.min(self.iteration());
                 self.tell_progress(None);
                 self.picture(false);
             }
@@ -150,6 +161,11 @@ impl Desk {
             }
             #[cfg(test)]
             Order::Panic => panic!("as ordered"),
+            Order::Truth(truth) => {
+                self.measure_against(truth);
+                self.tell_progress(None);
+                self.picture(false);
+            }
             Order::Budget(bytes) => {
                 self.budget = bytes;
                 let each = bytes / self.tracks.len().max(1);
@@ -160,14 +176,38 @@ impl Desk {
         }
     }
 
+    /// Takes a reference, if it is that of the scene that runs.
+    fn measure_against(&mut self, truth: Option<Arc<Ballistic>>) {
+        let scene = self.tracks.first().map(|track| track.now().scene());
+        self.truth = truth.filter(|truth| scene.is_some_and(|scene| truth.is_of(scene)));
+        let oldest = self.tracks.iter().map(Track::oldest).max().unwrap_or(0);
+        self.unmeasured = if self.truth.is_some() { oldest..self.iteration() } else { 0..0 };
+    }
+
+    /// Measures one of the iterations that were there before the reference.
+    fn catch_up(&mut self) {
+        let Some(iteration) = self.unmeasured.next() else { return };
+        let truth = self.truth.as_deref();
+        let errors = self.tracks.iter_mut().map(|track| {
+            let state = track.at(Some(iteration));
+            state.map(|state| Measured::of(state, truth)).unwrap_or_default()
+        });
+        let errors = errors.collect();
+        self.tell(News::Measured { iteration, errors, behind: self.unmeasured.len() });
+    }
+
     fn load(&mut self, load: &Load) {
         self.tracks.clear();
+        self.unmeasured = 0..0;
         self.run = None;
         self.merged = false;
         match self.tracks_of(load) {
             Ok(tracks) => self.tracks = tracks,
             Err(line) => return self.tell(News::Failed(line)),
         }
+        let scene = self.tracks[0].now().scene();
+        self.truth = self.truth.take().filter(|truth| truth.is_of(scene));
+        self.tell(News::Loaded(Arc::new(scene.clone())));
         self.brightest = std::array::from_fn(|axis| self.tracks[0].now().scene().brightest_slab(axis));
         match load.start {
             Start::Dark => self.tell_progress(None),
@@ -178,19 +218,32 @@ impl Desk {
             }
         }
         self.picture(false);
-        let warnings: Vec<String> =
-            self.tracks.iter().filter_map(|track| outlook::warning(track.now().scene())).collect();
-        if let Some(line) = warnings.into_iter().next() {
-            self.tell(News::Warned(line));
+        self.foretell();
+    }
+
+    /// Tells if light will not end well. That takes longer than many a run, so it does not hold one up.
+    fn foretell(&self) {
+        let scenes: Vec<Scene> = self.tracks.iter().map(|track| track.now().scene().clone()).collect();
+        let (outbox, wake, generation) = (self.outbox.clone(), Arc::clone(&self.wake), self.generation);
+        let work = move || {
+            if let Some(line) = scenes.iter().find_map(outlook::warning) {
+                // The window may be gone by now.
+                let _ = outbox.send((generation, News::Warned(line)));
+                wake();
+            }
+        };
+        if let Err(error) = std::thread::Builder::new().name("outlook".to_owned()).spawn(work) {
+            log::warn!("no thread for the outlook: {error}");
         }
     }
 
     fn tracks_of(&self, load: &Load) -> Result<Vec<Track>, String> {
         let scene = Scene::build(&load.preset, &load.folder).map_err(|error| error.to_string())?;
-        let budget = self.budget / (1 + load.others.len());
-        let others = load.others.iter().map(|other| Scene { propagation: other.clone(), ..scene.clone() });
+        let others = load.others.iter().filter_map(|rival| rival.scene(&scene));
+        let scenes: Vec<Scene> = std::iter::once(scene.clone()).chain(others).collect();
+        let budget = self.budget / scenes.len();
         let mut tracks = Vec::new();
-        for scene in std::iter::once(scene.clone()).chain(others) {
+        for scene in scenes {
             tracks.push(Track::new(scene, budget).map_err(|error| error.to_string())?);
         }
         Ok(tracks)
@@ -235,10 +288,13 @@ impl Desk {
             merged: self.merged,
             brightest: self.brightest,
             seconds: self.seconds,
+            visited: track.now().work().share(),
+            behind: self.unmeasured.len(),
         };
+        let measure = |track: &Track| Measured::of(track.now(), self.truth.as_deref());
         let errors = match progress.lit {
-            0 => vec![Vec::new(); self.tracks.len()],
-            _ => self.tracks.iter().map(Track::errors).collect(),
+            0 => vec![Measured::default(); self.tracks.len()],
+            _ => self.tracks.iter().map(measure).collect(),
         };
         self.tell(News::Done { change, progress, errors });
     }
@@ -250,7 +306,7 @@ impl Desk {
         }
         self.tell_pin();
         let Some(look) = self.look.clone() else { return };
-        let panes = cut::panes(&mut self.tracks, &look);
+        let panes = cut::panes(&mut self.tracks, self.truth.as_deref(), &look);
         let cloud = cut::cloud(&mut self.tracks, &look);
         self.pictured = Some(Instant::now());
         self.tell(News::Shown { look, panes, cloud });
@@ -273,7 +329,8 @@ impl Desk {
 /// and all but the last look.
 fn newest(mut orders: Vec<(u64, Order)>) -> Vec<(u64, Order)> {
     if let Some(load) = orders.iter().rposition(|(_, order)| matches!(order, Order::Load(_))) {
-        let outlasts = |order: &Order| matches!(order, Order::Look(_) | Order::Pin(_) | Order::Budget(_));
+        let outlasts =
+            |order: &Order| matches!(order, Order::Look(_) | Order::Pin(_) | Order::Budget(_) | Order::Truth(_));
         let mut at = 0;
         orders.retain(|(_, order)| {
             at += 1;

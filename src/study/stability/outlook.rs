@@ -7,7 +7,7 @@ use super::level::{critical, long_run_growth, without_borders};
 use crate::field::Levels;
 use crate::propagate::levels::{LevelOperator, operators};
 use crate::propagate::scheme::{self, Scheme};
-use crate::scene::Scene;
+use crate::scene::{Propagation, Scene};
 use crate::simulation::limit;
 
 /// What becomes of the light of one level.
@@ -25,10 +25,35 @@ pub struct Outlook {
     pub overflow: Option<usize>,
 }
 
+/// A level that bears less than the factor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exceeded {
+    /// The level, 0 the finest.
+    pub level: usize,
+    /// Its side, in cells.
+    pub side: usize,
+    /// The factor above which its light grows without bound.
+    pub critical: f64,
+}
+
+/// The level that bears the least, if its critical factor is exceeded; occluders aside. Nothing for settings
+/// that cannot be run. A factor that is safe in a volume without borders costs nothing to tell.
+pub fn exceeded(propagation: &Propagation, size: usize, coarsest: usize) -> Option<Exceeded> {
+    let (scheme, sizes, operators) = parts(propagation, size, coarsest)?;
+    let suspects = operators.iter().enumerate().filter(|(_, operator)| without_borders(&operator.stencil) > 1.0);
+    let all = suspects.map(|(level, _)| {
+        let side = sizes.side(level);
+        Exceeded { level, side, critical: critical(&scheme, propagation.clamp, propagation.levels, level, side) }
+    });
+    all.filter(|level| level.critical < propagation.factor).min_by(|a, b| a.critical.total_cmp(&b.critical))
+}
+
 /// The outlook of every level of a scene, occluders aside: they remove light, and only a bounce, which
 /// the preset must ask for, gives some back. Empty where the scene cannot be run.
 pub fn levels(scene: &Scene) -> Vec<Outlook> {
-    let Some((scheme, sizes, operators)) = parts(scene) else { return Vec::new() };
+    let Some((scheme, sizes, operators)) = parts(&scene.propagation, scene.size, scene.coarsest) else {
+        return Vec::new();
+    };
     let outlook =
         |(level, operator): (usize, LevelOperator<f64>)| of_level(scene, &scheme, level, sizes.side(level), &operator);
     operators.into_iter().enumerate().map(outlook).collect()
@@ -44,7 +69,7 @@ fn of_level(scene: &Scene, scheme: &Scheme, level: usize, side: usize, operator:
 /// The level whose numbers overflow first, if any does. A factor that is safe in a volume without borders
 /// is safe on every level, and costs nothing to tell.
 pub fn first_to_overflow(scene: &Scene) -> Option<Outlook> {
-    let (scheme, sizes, operators) = parts(scene)?;
+    let (scheme, sizes, operators) = parts(&scene.propagation, scene.size, scene.coarsest)?;
     let mut first: Option<(usize, usize)> = None;
     for (level, operator) in operators.iter().enumerate() {
         if without_borders(&operator.stencil) <= 1.0 {
@@ -73,10 +98,9 @@ pub fn warning(scene: &Scene) -> Option<String> {
 }
 
 /// The scheme, the levels and their operators; none where the simulation will refuse one of them.
-fn parts(scene: &Scene) -> Option<(Scheme, Levels, Vec<LevelOperator<f64>>)> {
-    let propagation = &scene.propagation;
+fn parts(propagation: &Propagation, size: usize, coarsest: usize) -> Option<(Scheme, Levels, Vec<LevelOperator<f64>>)> {
     let scheme = scheme::find(&propagation.scheme)?;
-    let sizes = Levels::new(scene.size, scene.coarsest)?;
+    let sizes = Levels::new(size, coarsest)?;
     let operators = operators(&scheme, propagation.factor, propagation.clamp, propagation.levels, sizes.count());
     Some((scheme, sizes, operators.ok()?))
 }
@@ -108,7 +132,6 @@ fn overflow(scene: &Scene, level: usize, side: usize, growth: f64) -> Option<usi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::preset::Propagation;
     use crate::scene::{Occlusion, Source};
     use crate::sh::Sh;
 
@@ -134,6 +157,17 @@ mod tests {
         assert_eq!(found.iter().map(|level| level.overflow.is_some()).collect::<Vec<_>>(), [true, false, false, false]);
         assert_eq!(found[3].growth, 0.0);
         assert_eq!(first_to_overflow(&scene(8, 20.0)).map(|level| level.level), Some(0));
+    }
+
+    #[test]
+    fn the_level_that_bears_the_least_is_told_where_it_is_exceeded() {
+        let at = |factor| exceeded(&Propagation { factor, ..Propagation::default() }, 8, 1);
+        assert_eq!((at(3.0), at(4.25)), (None, None));
+        let found = at(5.5).unwrap();
+        assert_eq!((found.level, found.side), (0, 8));
+        assert!((found.critical - 4.334).abs() < 1e-3);
+        let unknown = Propagation { scheme: "none".to_owned(), factor: 9.0, ..Propagation::default() };
+        assert_eq!(exceeded(&unknown, 8, 1), None);
     }
 
     #[test]

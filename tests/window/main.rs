@@ -2,65 +2,17 @@
 #![cfg(feature = "app")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use std::path::Path;
+mod compare;
+mod driver;
+mod drops;
+mod exports;
+mod plots;
 
-use egui::accesskit::Role;
-use egui_kittest::Harness;
+use driver::*;
 use egui_kittest::kittest::{NodeT, Queryable};
-use lpv_lab::app::{Lab, Layer, Light, Settings};
+use lpv_lab::app::{Layer, Light};
 use lpv_lab::scene::Preset;
 use lpv_lab::study::error::Metric;
-
-type Window = Harness<'static, Option<Lab>>;
-
-/// A window on a preset, with its injected light on screen.
-fn window(preset: &str) -> Window {
-    let preset = Preset::parse(preset, Path::new("test")).unwrap();
-    let mut harness = Harness::builder().with_size([1280.0, 720.0]).with_max_steps(60).build_ui_state(
-        move |ui, lab: &mut Option<Lab>| {
-            let lab = lab.get_or_insert_with(|| {
-                Lab::new(ui.ctx(), preset.clone(), None, Settings::default()).expect("a thread")
-            });
-            lab.logic(&ui.ctx().clone());
-            lab.ui(ui);
-        },
-        None,
-    );
-    settle(&mut harness);
-    harness
-}
-
-fn lab(harness: &Window) -> &Lab {
-    harness.state().as_ref().expect("a window")
-}
-
-/// Steps until nothing is being computed or waited for.
-fn settle(harness: &mut Window) {
-    for _ in 0..2000 {
-        harness.step();
-        if lab(harness).is_idle() {
-            harness.run_steps(2);
-            if lab(harness).is_idle() {
-                return;
-            }
-        }
-        std::thread::sleep(std::time::Duration::from_millis(2));
-    }
-    panic!("the window does not come to rest");
-}
-
-fn click(harness: &mut Window, name: &str) {
-    harness.get_by_label(name).click();
-    settle(harness);
-}
-
-const SMALL: &str = "(version: 1, title: \"Small\", size: 8, injectors: [(kind: Single(cell: (4, 4, 4)))], \
-                     propagation: (iterations: 5))";
-
-/// The light of a view at a finest cell, red.
-fn red(lab: &Lab, pane: usize, at: [usize; 2]) -> f32 {
-    lab.shown()[pane].slice.at(at).expect("a cell").light[0].0[0]
-}
 
 #[test]
 fn a_new_window_shows_the_injected_light() {
@@ -114,40 +66,6 @@ fn levels_and_axes_are_chosen_by_name() {
     assert_eq!(lab(&harness).shown()[0].slice.cells.len(), 16);
     click(&mut harness, "Cut across x");
     assert_eq!(lab(&harness).shown()[0].slice.plane.axis.across(), 0);
-}
-
-/// Sets a number field, or chooses a text for a text field.
-fn set_number(harness: &mut Window, name: &str, value: f64) {
-    harness.get_by_role_and_label(Role::SpinButton, name).set_value_accesskit(value);
-    settle(harness);
-}
-
-/// Chooses from a list.
-fn choose(harness: &mut Window, list: &str, entry: &str) {
-    harness.get_by_role_and_label(Role::ComboBox, list).click();
-    harness.run_steps(3);
-    click(harness, entry);
-}
-
-/// Goes through a menu.
-fn menu(harness: &mut Window, names: &[&str]) {
-    for name in names {
-        harness.get_by_label_contains(name).click();
-        harness.run_steps(3);
-    }
-    settle(harness);
-}
-
-/// Types a path into the question for a file and confirms it.
-fn answer(harness: &mut Window, path: &Path, confirm: &str) {
-    harness.run_steps(2);
-    let field = harness.get_by_role_and_label(Role::TextInput, "File");
-    field.set_text_value_accesskit("");
-    harness.run_steps(2);
-    harness.get_by_role_and_label(Role::TextInput, "File").type_text(path.to_str().unwrap());
-    harness.run_steps(2);
-    harness.get_by_role_and_label(Role::Button, confirm).click();
-    settle(harness);
 }
 
 #[test]
@@ -227,26 +145,6 @@ fn the_past_is_scrubbed_and_gone_on_from() {
         click(&mut harness, "Propagate");
     }
     assert_eq!(red(lab(&harness), 2, [5, 4]), last);
-}
-
-#[test]
-fn propagators_are_compared_and_their_difference_is_shown() {
-    let mut harness = window(SMALL);
-    click(&mut harness, "Run all");
-    harness.key_press(egui::Key::F3);
-    settle(&mut harness);
-    set_number(&mut harness, "Propagator B factor", 2.0);
-    choose(&mut harness, "Propagator B scheme", "cascaded");
-    click(&mut harness, "Run again");
-    let lab = lab(&harness);
-    assert_eq!((lab.iteration(), lab.shown().len()), (5, 3));
-    let [a, b, difference] = [0, 1, 2].map(|pane| red(lab, pane, [4, 5]));
-    assert!(a > b && b > 0.0);
-    assert!((difference - (b - a)).abs() < 1e-6);
-    assert_eq!(
-        lab.curves().iter().map(|run| run.name.as_str()).collect::<Vec<_>>(),
-        ["cascaded, p = 3", "cascaded, p = 2"]
-    );
 }
 
 #[test]
@@ -367,17 +265,4 @@ fn kept_curves_stay_beside_those_of_the_next_run() {
         ["cascaded, p = 2", "cascaded, p = 3"]
     );
     assert_ne!(curves[0].1, curves[1].1);
-}
-
-#[test]
-fn two_iterations_are_compared() {
-    let mut harness = window(SMALL);
-    click(&mut harness, "Run all");
-    harness.key_press(egui::Key::F3);
-    settle(&mut harness);
-    click(&mut harness, "Two iterations");
-    set_number(&mut harness, "Compared iteration", 2.0);
-    let lab = lab(&harness);
-    assert_eq!(lab.shown().iter().map(|shown| shown.iteration).collect::<Vec<_>>(), [5, 2, 2]);
-    assert!((red(lab, 2, [4, 5]) - (red(lab, 1, [4, 5]) - red(lab, 0, [4, 5]))).abs() < 1e-6);
 }

@@ -1,0 +1,68 @@
+//! Views side by side.
+
+use lpv_lab::study::error::Metric;
+
+use crate::driver::*;
+
+#[test]
+fn propagators_are_compared_and_their_difference_is_shown() {
+    let mut harness = window(SMALL);
+    click(&mut harness, "Run all");
+    harness.key_press(egui::Key::F3);
+    settle(&mut harness);
+    set_number(&mut harness, "Propagator B factor", 2.0);
+    choose(&mut harness, "Propagator B scheme", "cascaded");
+    click(&mut harness, "Run again");
+    let lab = lab(&harness);
+    assert_eq!((lab.iteration(), lab.shown().len()), (5, 3));
+    let [a, b, difference] = [0, 1, 2].map(|pane| red(lab, pane, [4, 5]));
+    assert!(a > b && b > 0.0);
+    assert!((difference - (b - a)).abs() < 1e-6);
+    assert_eq!(
+        lab.curves().iter().map(|run| run.name.as_str()).collect::<Vec<_>>(),
+        ["cascaded, p = 3", "cascaded, p = 2"]
+    );
+}
+
+#[test]
+fn two_iterations_are_compared() {
+    let mut harness = window(SMALL);
+    click(&mut harness, "Run all");
+    harness.key_press(egui::Key::F3);
+    settle(&mut harness);
+    click(&mut harness, "Two iterations");
+    set_number(&mut harness, "Compared iteration", 2.0);
+    let lab = lab(&harness);
+    assert_eq!(lab.shown().iter().map(|shown| shown.iteration).collect::<Vec<_>>(), [5, 2, 2]);
+    assert!((red(lab, 2, [4, 5]) - (red(lab, 1, [4, 5]) - red(lab, 0, [4, 5]))).abs() < 1e-6);
+}
+
+#[test]
+fn references_are_compared_and_their_differences_are_true() {
+    let mut harness = window(SMALL);
+    click(&mut harness, "Run all");
+    harness.key_press(egui::Key::F3);
+    settle(&mut harness);
+    choose(&mut harness, "Propagator B scheme", "Uniform volume");
+    click(&mut harness, "Add propagator or reference");
+    choose(&mut harness, "Propagator C scheme", "What truly arrives");
+    click(&mut harness, "Run again");
+    {
+        let lab = lab(&harness);
+        assert_eq!((lab.iteration(), lab.shown().len()), (5, 5));
+        let [own, uniform, arrived, from_uniform, from_arrived] = std::array::from_fn(|pane| red(lab, pane, [4, 5]));
+        // In the injector's neighbour the merged light is the finest level's, which is the uniform volume.
+        assert_eq!((own, from_uniform), (uniform, 0.0));
+        assert!(arrived > 0.0);
+        assert!((from_arrived - (arrived - own)).abs() < 1e-6);
+        // The difference at the injector is without what was injected there: nothing arrives, something moved back.
+        assert!(red(lab, 4, [4, 4]).abs() < 0.1 * red(lab, 0, [4, 4]));
+        let names: Vec<&str> = lab.curves().iter().map(|run| run.name.as_str()).collect();
+        assert_eq!(names, ["cascaded, p = 3", "uniform volume of A"]);
+    }
+    // Against what truly arrives both have a curve, and the past is measured as well.
+    choose(&mut harness, "Error metric", "ballistic");
+    for run in lab(&harness).curves() {
+        assert_eq!(run.curve(Metric::Ballistic, None, |row| row.l1_ratio).len(), 6, "{}", run.name);
+    }
+}
