@@ -161,8 +161,11 @@ fn together<T: Real, const L: usize>(
     let (per_row, rows) = (target.marks.len() / n, first..first + lit.len());
     let (mut any, mut before): (Row, Row) = ([0; MOST_WORDS], [0; MOST_WORDS]);
     for (y, lit) in rows.clone().zip(&*lit) {
-        any.iter_mut().zip(lit).for_each(|(any, lit)| *any |= lit);
+        any.iter_mut().zip(&lit[..per_row]).for_each(|(any, lit)| *any |= lit);
         before.iter_mut().zip(&target.lit[y * per_row..(y + 1) * per_row]).for_each(|(before, lit)| *before |= lit);
+    }
+    if any[..per_row].iter().chain(&before[..per_row]).all(|word| *word == 0) {
+        return;
     }
     clear_between::<T, L>(target, layout, rows.clone(), &any, &before);
     for run in runs::<L>(&any, n) {
