@@ -12,6 +12,7 @@ mod carve;
 mod conformance;
 pub mod form;
 mod found;
+mod fuzzy;
 pub mod occluded;
 pub mod plain;
 mod row;

@@ -1,10 +1,10 @@
 //! What a scene's occluders are to its simulation: which kind of occluders, from which iteration on, and
 //! whether they tint light.
 
-use crate::field::{Cell, Channels, Grid, IndexVolume, Levels, Marks};
+use crate::field::{Channels, Grid, IndexVolume, Levels, Marks};
 use crate::propagate::barrier::Barrier;
 use crate::propagate::geometry::Geometry;
-use crate::propagate::kernel::occluded::{Fuzzy, Hard, Mirrored, Occluders};
+use crate::propagate::kernel::occluded::{Fuzzy, Hard, Mirrored, Occluders, Touched};
 use crate::propagate::scheme::{Scheme, Surface};
 use crate::scene::Scene;
 use crate::scene::occluder::{Accumulate, BlockingSign, OcclusionMode};
@@ -17,7 +17,7 @@ pub(super) struct Obstacles<T> {
     /// The first iteration in which they act, counted from 1.
     from_iteration: usize,
     /// By level, the cells whose light depends on them.
-    pub(super) touched: Vec<Vec<Cell>>,
+    pub(super) touched: Vec<Touched<T>>,
 }
 
 impl<T: Real> Obstacles<T> {

@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::occluded::{Occluders, Which};
+use super::occluded::{Occluders, Touched, Which};
 use super::{Level, Order, Tally, step};
 use crate::field::{Cell, Marks};
 use crate::propagate::stencil::Stencil;
@@ -20,7 +20,7 @@ pub struct Among<'a, T> {
     /// The level and colour.
     pub which: Which,
     /// The level's cells that they touch ([`Occluders::touched`]).
-    pub touched: &'a [Cell],
+    pub touched: &'a Touched<T>,
     /// The scheme, which `order` has in its other form.
     pub stencil: &'a Stencil<T>,
 }
@@ -35,16 +35,17 @@ pub fn step<T: Real>(
     among: Among<'_, T>,
 ) -> Tally {
     let Among { occluders, which, touched, stencil } = among;
-    let receive = |cell: &Cell| occluders.receive(stencil, which, level.source, *cell);
-    let received: Vec<Sh<T>> = if pieces == 1 || touched.len() < SERIAL_BELOW {
-        touched.iter().map(receive).collect()
+    let cells = &touched.cells;
+    let receive = |i| occluders.receive_touched(stencil, which, level.source, touched, i);
+    let received: Vec<Sh<T>> = if pieces == 1 || cells.len() < SERIAL_BELOW {
+        (0..cells.len()).map(receive).collect()
     } else {
-        touched.par_iter().map(receive).collect()
+        (0..cells.len()).into_par_iter().map(receive).collect()
     };
     let before = |cell: &Cell| (level.marks.get(*cell), level.sum.as_ref().map(|sum| sum.get(*cell)));
-    let before: Vec<(bool, Option<Sh<T>>)> = touched.iter().map(before).collect();
+    let before: Vec<(bool, Option<Sh<T>>)> = cells.iter().map(before).collect();
     let tally = step::step(order, level, pieces, need);
-    for ((&cell, light), (was_lit, sum)) in touched.iter().zip(received).zip(before) {
+    for ((&cell, light), (was_lit, sum)) in cells.iter().zip(received).zip(before) {
         level.target.set(cell, light);
         if let (Some(grid), Some(sum)) = (&mut level.sum, sum) {
             grid.set(cell, sum + light);

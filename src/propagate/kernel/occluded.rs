@@ -2,6 +2,8 @@
 //!
 //! Like [`super::plain`] this is a definition: it gathers, cell by cell, what the six neighbours send.
 
+use super::fuzzy::Around;
+pub use super::fuzzy::Fuzzy;
 use super::settle;
 use crate::field::{Cell, Grid, Layout};
 use crate::propagate::barrier::Barrier;
@@ -9,9 +11,6 @@ use crate::propagate::face::Direction;
 use crate::propagate::geometry::Geometry;
 use crate::propagate::stencil::Stencil;
 use crate::sh::{Real, Sh};
-
-/// What NVIDIA's sample multiplies its reflected light by.
-const REFLECTION: f64 = 4.8;
 
 /// The occluders of a scene, and what they do to light.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,20 +21,6 @@ pub enum Occluders<T> {
     Mirrored(Mirrored<T>),
     /// Occupied cells pass nothing.
     Hard(Hard<T>),
-}
-
-/// Blockers half a cell off the light weaken the flux through every face and reflect some of it (000, 6.2;
-/// NVIDIA's sample).
-#[derive(Clone, Debug, PartialEq)]
-pub struct Fuzzy<T> {
-    /// The blockers.
-    pub geometry: Geometry<T>,
-    /// What a blocker's value is multiplied by before it is limited to 0..1.
-    pub amplifier: T,
-    /// Whether blockers are evaluated along the light's travel, as NVIDIA does, or against it.
-    pub along_travel: bool,
-    /// What reflected light is multiplied by.
-    pub bounce: T,
 }
 
 /// Light that enters an occupied cell is mirrored on the axis along which it came, times opacity and albedo,
@@ -77,75 +62,61 @@ impl<T: Real> Occluders<T> {
     }
 
     /// What one cell receives from its neighbours, and back from occluders.
-    pub(super) fn receive(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, cell: Cell) -> Sh<T> {
-        let receive = |d| match self {
-            Occluders::Fuzzy(fuzzy) => fuzzy.receive(stencil, which, source, cell, d),
-            Occluders::Mirrored(mirrored) => mirrored.receive(stencil, which, source, cell, d),
-            Occluders::Hard(hard) => hard.receive(stencil, which, source, cell, d),
-        };
-        settle((0..Direction::ALL.len()).map(receive).sum())
+    fn receive(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, cell: Cell) -> Sh<T> {
+        let directions = 0..Direction::ALL.len();
+        settle(match self {
+            Occluders::Fuzzy(fuzzy) => fuzzy.receive(stencil, which, source, cell, &fuzzy.around(which.level, cell)),
+            Occluders::Mirrored(mirrored) => {
+                directions.map(|d| mirrored.receive(stencil, which, source, cell, d)).sum()
+            }
+            Occluders::Hard(hard) => directions.map(|d| hard.receive(stencil, which, source, cell, d)).sum(),
+        })
+    }
+
+    /// What number `i` of the `touched` cells receives.
+    pub(super) fn receive_touched(
+        &self,
+        stencil: &Stencil<T>,
+        which: Which,
+        source: &Grid<T>,
+        touched: &Touched<T>,
+        i: usize,
+    ) -> Sh<T> {
+        let cell = touched.cells[i];
+        match (self, touched.around.get(i)) {
+            (Occluders::Fuzzy(fuzzy), Some(around)) => settle(fuzzy.receive(stencil, which, source, cell, around)),
+            _ => self.receive(stencil, which, source, cell),
+        }
     }
 
     /// The cells of an n³ level whose light depends on an occluder; the others receive what they would
     /// without any.
-    pub fn touched(&self, level: usize, n: usize) -> Vec<Cell> {
+    pub fn touched(&self, level: usize, n: usize) -> Touched<T> {
         let is_touched = |cell: &Cell| match self {
             Occluders::Fuzzy(fuzzy) => fuzzy.touches(level, *cell),
             Occluders::Mirrored(mirrored) => mirrored.geometry.opacity(level, *cell) != T::ZERO,
             Occluders::Hard(hard) => hard.touches(level, *cell, n),
         };
-        Layout::new(n).cells().filter(is_touched).collect()
+        let cells: Vec<Cell> = Layout::new(n).cells().filter(is_touched).collect();
+        let around = match self {
+            Occluders::Fuzzy(fuzzy) => cells.iter().map(|cell| fuzzy.around(level, *cell)).collect(),
+            _ => Vec::new(),
+        };
+        Touched { cells, around }
     }
+}
+
+/// The cells of a level whose light depends on an occluder.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Touched<T> {
+    pub(super) cells: Vec<Cell>,
+    /// For fuzzy occluders, what lies around each of the cells.
+    around: Vec<[Around<T>; 6]>,
 }
 
 /// The light of the neighbour from which light in direction `d` enters `cell`; none outside the grid.
-fn sender<T: Real>(source: &Grid<T>, cell: Cell, d: Direction) -> Sh<T> {
+pub(super) fn sender<T: Real>(source: &Grid<T>, cell: Cell, d: Direction) -> Sh<T> {
     d.opposite().neighbour(cell, source.side()).map_or(Sh::ZERO, |sender| source.get(sender))
-}
-
-impl<T: Real> Fuzzy<T> {
-    /// Whether a blocker lies at one of the cell's eight corners.
-    fn touches(&self, level: usize, [x, y, z]: Cell) -> bool {
-        (0..8)
-            .map(|bits| [bits & 1, bits >> 1 & 1, bits >> 2])
-            .filter(|low| x >= low[0] && y >= low[1] && z >= low[2])
-            .any(|low| !self.geometry.lobe(level, [x - low[0], y - low[1], z - low[2]]).is_zero())
-    }
-
-    fn receive(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, cell: Cell, d: usize) -> Sh<T> {
-        let direction = Direction::ALL[d];
-        let light = sender(source, cell, direction);
-        let near = self.mean(cell, direction.opposite(), |at| self.geometry.lobe(which.level, at));
-        let near = if self.along_travel { near } else { near.reversed() };
-        let far = self.mean(cell, direction, |at| self.geometry.lobe(which.level, at));
-        let facing = far.eval(direction.opposite().vector()).max(T::ZERO);
-        let mut reflected = T::ZERO;
-        let mut received = Sh::ZERO;
-        for tap in &stencil.taps()[d] {
-            let blocked = (self.amplifier * near.dot(tap.travel)).max(T::ZERO);
-            let flux = tap.flux(light) * (T::of(1.0) - blocked).max(T::ZERO);
-            received += tap.lobe * flux;
-            reflected += facing * flux * T::of(REFLECTION);
-        }
-        if reflected == T::ZERO || self.bounce == T::ZERO {
-            return received;
-        }
-        let albedo = |at| Sh([self.geometry.albedo(which.level, at, which.colour), T::ZERO, T::ZERO, T::ZERO]);
-        let Sh([albedo, ..]) = self.mean(cell, direction, albedo);
-        received + stencil.scale(far * (reflected * albedo * self.bounce))
-    }
-
-    /// The mean of what the four corners of `cell` on the side of `side` hold. Corner g is shared by the
-    /// cells g and g + (1, 1, 1); corners outside the grid count as empty.
-    fn mean(&self, [x, y, z]: Cell, side: Direction, value: impl Fn(Cell) -> Sh<T>) -> Sh<T> {
-        let corners = (0..8).map(|bits| [bits & 1, bits >> 1 & 1, bits >> 2]);
-        let on_side = corners.filter(|low| (low[side.axis()] == 0) == side.is_positive());
-        let sum: Sh<T> = on_side
-            .filter(|low| x >= low[0] && y >= low[1] && z >= low[2])
-            .map(|low| value([x - low[0], y - low[1], z - low[2]]))
-            .sum();
-        sum * T::of(0.25)
-    }
 }
 
 impl<T: Real> Mirrored<T> {
@@ -247,7 +218,7 @@ mod tests {
         ] {
             let mut found = Grid::new(N);
             occluders.propagate(&stencil, RED, &source, &mut found);
-            let touched = occluders.touched(0, N);
+            let touched = occluders.touched(0, N).cells;
             assert!(!touched.is_empty() && touched.len() <= most, "{}", touched.len());
             for (cell, light) in found.iter() {
                 assert!(light == free.get(cell) || touched.contains(&cell), "{cell:?}");
