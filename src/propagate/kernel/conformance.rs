@@ -145,6 +145,27 @@ fn every_way_gives_the_same_bits_and_what_the_plain_kernel_gives() {
 }
 
 #[test]
+fn rows_of_several_words_take_the_same_paths() {
+    let stencil = Stencil::<f32>::new(&scheme::find("cascaded").unwrap(), 3.0, true);
+    let form = Form::of(&stencil).unwrap();
+    for (n, iterations) in [(128, 3), (256, 1)] {
+        let (defining, _) = advance(form, false, DEFINING, iterations, scene(n));
+        let mut free = scene(n);
+        free.marks.words_mut().fill(u64::MAX);
+        // Marks everywhere and light from end to end: rows that are computed as one stretch.
+        let (whole, _) = advance(form, false, Way { reach: true, ..DEFINING }, iterations, free);
+        assert!(whole.source == defining.source && whole.sum == defining.sum, "n = {n}");
+        if n > 128 {
+            continue;
+        }
+        agree(&defining, &plainly(&stencil, iterations, scene(n)), 3e-6, "n = 128");
+        for way in ways().into_iter().filter(|way| way.instructions == Instructions::Best) {
+            assert!(advance(form, false, way, iterations, scene(n)).0 == defining, "n = {n}: {way:?}");
+        }
+    }
+}
+
+#[test]
 fn double_precision_takes_the_same_paths() {
     let stencil = Stencil::<f64>::new(&scheme::find("cascaded").unwrap(), 3.0, true);
     let form = Form::of(&stencil).unwrap();
