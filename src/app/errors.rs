@@ -85,7 +85,7 @@ pub struct Group {
 pub const GROUPS: [Group; 3] = [
     Group {
         title: "Absolute error",
-        label: "Absolute error (SH coefficient)",
+        label: "Absolute error (SH)",
         axis: "|O − Ô|, SH coefficients",
         quantities: [
             Quantity { name: "average", curve: |run, m, l| run.curve(m, l, |row| row.absolute_mean), dashed: false },
