@@ -80,7 +80,7 @@ impl Lab {
         }
         self.truth_progress(ui);
         // The present iteration alone is measured before the eye is there.
-        if self.progress.behind > Metric::ALL.len() {
+        if self.progress.until.is_none() && self.progress.behind > Metric::ALL.len() {
             ui.spinner();
             ui.label(format!("{} measurements to come", self.progress.behind));
         }
