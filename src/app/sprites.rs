@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn a_lobe_points_where_its_light_goes_and_its_negative_the_other_way() {
         // Light to +X: cells are cut across Z, so the peak is to the right.
-        let lobes = Lobes::of(Sh::lobe(glam::DVec3::X).cast(), Axis::Z);
+        let lobes = Lobes::of(Sh::<f32>::lobe(glam::DVec3::X), Axis::Z);
         let mut mesh = Mesh::default();
         glyph(&mut mesh, &lobes, pos2(50.0, 50.0), RADIUS, [Some(Color32::RED), Some(Color32::BLUE)]);
         assert!(mesh.is_valid());
