@@ -9,18 +9,12 @@ use indicatif::ProgressBar;
 
 use super::output::Folder;
 use super::{CliError, SceneArgs};
-#[cfg(feature = "app")]
-use crate::app::frame_cost;
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
 use crate::report::table::Table;
 use crate::scene::Scene;
 use crate::study::benchmark::{self, BenchmarkError, Fading, KernelRow, Pipeline, THESIS_MILLISECONDS};
 use crate::study::pareto::made;
-
-/// Glyphs along a side of each view in the frame that is measured.
-#[cfg(feature = "app")]
-const GLYPHS: usize = 64;
 
 /// What to measure, and where to write.
 #[derive(Args, Debug)]
@@ -84,11 +78,18 @@ impl From<BenchmarkError> for CliError {
     }
 }
 
+impl BenchArgs {
+    /// Whether nothing was asked for by itself.
+    pub fn measures_all(&self) -> bool {
+        !self.only_pareto && !self.only_converged
+    }
+}
+
 /// Does the command.
 pub fn run(args: &BenchArgs) -> Result<(), CliError> {
     let folder = Folder::create(args.out.clone())?;
     let rounds = usize::from(args.rounds);
-    if !args.only_pareto && !args.only_converged {
+    if args.measures_all() {
         kernels(args, &folder)?;
     }
     let sizes = without_none(&args.converged);
@@ -145,8 +146,6 @@ fn kernels(args: &BenchArgs, folder: &Folder) -> Result<(), CliError> {
         print_pipeline(&Pipeline::measure(threads, 101)?);
     }
     print_fading(&Fading::measure()?);
-    #[cfg(feature = "app")]
-    print_frames();
     let mut csv = Vec::new();
     table.write_csv(&mut csv).map_err(|e| CliError::Failed(format!("kernels.csv: {e}")))?;
     folder.write("kernels.csv", csv)?;
@@ -205,19 +204,6 @@ fn print_fading(Fading { computed, skipped }: &Fading) {
     };
     println!("\nOne wall fading for 2000 iterations (n = 32, p = 3, one thread): {}", line(computed));
     println!("The same with skipping: {}", line(skipped));
-}
-
-/// What a frame of the window costs to build; it needs no display.
-#[cfg(feature = "app")]
-fn print_frames() {
-    let Some(cost) = frame_cost::measure(GLYPHS) else { return };
-    println!(
-        "\nOne frame of the window, three views of {GLYPHS}×{GLYPHS} cells with {} glyphs: {:.2} ms where everything \
-         changed, {:.2} ms where nothing did",
-        cost.glyphs,
-        1e3 * cost.changed,
-        1e3 * cost.unchanged
-    );
 }
 
 /// Time over size of every loop that works on a whole level, cascaded scheme, a plot for each number of threads.
