@@ -36,6 +36,7 @@ mod perform;
 mod plots;
 mod settings;
 mod space;
+mod sprites;
 mod stage;
 mod style;
 mod timeline;

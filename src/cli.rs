@@ -17,6 +17,7 @@ use std::path::PathBuf;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
+pub use bench::BenchArgs;
 pub use load::{SceneArgs, open};
 pub use run::RunArgs;
 
@@ -54,7 +55,7 @@ pub enum Command {
     /// Run presets under several schemes and compare what each makes of them
     Compare(compare::CompareArgs),
     /// Measure how fast the loops are
-    Bench(bench::BenchArgs),
+    Bench(BenchArgs),
     /// List the propagation schemes with their gains and critical factors
     Schemes(schemes::SchemesArgs),
     /// List the built-in presets, or write them to a folder

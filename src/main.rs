@@ -22,6 +22,7 @@ fn main() -> ExitCode {
         Err(help) => help.exit(),
     };
     let done = match cli.command {
+        Some(cli::Command::Bench(args)) => bench(args),
         Some(command) => cli::execute(command),
         None => open(cli.preset.unwrap_or_else(|| PathBuf::from(DEFAULT_PRESET))),
     };
@@ -33,6 +34,33 @@ fn main() -> ExitCode {
         }
     }
 }
+
+/// Measures, the window too where there is one: headless commands know nothing of it.
+fn bench(args: cli::BenchArgs) -> Result<(), CliError> {
+    let all = args.measures_all();
+    cli::execute(cli::Command::Bench(args))?;
+    if all {
+        frames();
+    }
+    Ok(())
+}
+
+/// Tells what a frame of the window costs to build, which needs no display.
+#[cfg(feature = "app")]
+fn frames() {
+    const SIDE: usize = 64;
+    let Some(cost) = lpv_lab::app::frame_cost::measure(SIDE) else { return };
+    println!(
+        "One frame of the window, three views of {SIDE}×{SIDE} cells with {} glyphs: {:.2} ms where everything changed, \
+         {:.2} ms where nothing did",
+        cost.glyphs,
+        1e3 * cost.changed,
+        1e3 * cost.unchanged
+    );
+}
+
+#[cfg(not(feature = "app"))]
+fn frames() {}
 
 /// Opens the window on a preset; where there is no display, runs the preset headless and says so.
 fn open(preset: PathBuf) -> Result<(), CliError> {

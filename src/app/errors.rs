@@ -34,21 +34,22 @@ impl Run {
         Run { name, color, ..Run::default() }
     }
 
-    /// Takes in the errors of the present iteration; those of it and later ones that were there are dropped.
-    pub fn update(&mut self, iteration: usize, measured: Measured) {
-        self.rows.retain(|row| row.iteration < iteration);
-        self.fits.retain(|[k, _]| *k < iteration as f64);
-        self.put(iteration, measured);
+    /// Drops the errors of iteration `k` and later ones.
+    pub fn forget_from(&mut self, k: usize) {
+        self.rows.retain(|row| row.iteration < k);
+        self.fits.retain(|[iteration, _]| *iteration < k as f64);
     }
 
-    /// Takes in the errors of an iteration in place of those that were known.
-    pub fn put(&mut self, iteration: usize, measured: Measured) {
-        self.rows.retain(|row| row.iteration != iteration);
+    /// Takes in the errors of an iteration in place of those that were known by the same metric.
+    pub fn put(&mut self, iteration: usize, metric: Metric, measured: Measured) {
+        self.rows.retain(|row| (row.iteration, row.metric) != (iteration, metric));
         self.rows.extend(measured.rows);
         self.rows.sort_by_key(|row| row.iteration);
-        self.fits.retain(|[k, _]| *k != iteration as f64);
-        self.fits.extend(measured.best_fit.map(|fitted| [iteration as f64, fitted]));
-        self.fits.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        if metric == Metric::Ballistic {
+            self.fits.retain(|[k, _]| *k != iteration as f64);
+            self.fits.extend(measured.best_fit.map(|fitted| [iteration as f64, fitted]));
+            self.fits.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        }
     }
 
     /// (iteration, value) of the rows of a metric and a level.
@@ -84,7 +85,7 @@ pub struct Group {
 pub const GROUPS: [Group; 3] = [
     Group {
         title: "Absolute error",
-        label: "Absolute error (SH coefficient)",
+        label: "Absolute error (SH)",
         axis: "|O − Ô|, SH coefficients",
         quantities: [
             Quantity { name: "average", curve: |run, m, l| run.curve(m, l, |row| row.absolute_mean), dashed: false },
@@ -245,10 +246,10 @@ fn about(metric: Metric) -> &'static str {
 mod tests {
     use super::*;
 
-    fn measured(iteration: usize, absolute_mean: f64, best_fit: Option<f64>) -> Measured {
+    fn measured(metric: Metric, iteration: usize, absolute_mean: f64, best_fit: Option<f64>) -> Measured {
         let row = ErrorRow {
             iteration,
-            metric: Metric::Thesis,
+            metric,
             level: None,
             absolute_mean,
             absolute_max: 0.0,
@@ -260,26 +261,32 @@ mod tests {
         Measured { rows: vec![row], best_fit }
     }
 
+    /// A run with errors of the first iterations by two metrics, put in from the newest to the oldest.
+    fn run(iterations: usize) -> Run {
+        let mut run = Run::default();
+        for k in (0..iterations).rev() {
+            run.put(k, Metric::Thesis, measured(Metric::Thesis, k, k as f64, None));
+            run.put(k, Metric::Ballistic, measured(Metric::Ballistic, k, 0.25, Some(0.5)));
+        }
+        run
+    }
+
     #[test]
     fn going_back_drops_what_came_after() {
-        let mut run = Run::default();
-        for k in 0..5 {
-            run.update(k, measured(k, k as f64, Some(0.5)));
-        }
-        run.update(2, measured(2, 9.0, None));
-        assert_eq!(run.curve(Metric::Thesis, None, |row| row.absolute_mean), [[0.0, 0.0], [1.0, 1.0], [2.0, 9.0]]);
+        let mut run = run(5);
+        run.forget_from(2);
+        assert_eq!(run.curve(Metric::Thesis, None, |row| row.absolute_mean), [[0.0, 0.0], [1.0, 1.0]]);
         assert_eq!(run.fits, [[0.0, 0.5], [1.0, 0.5]]);
         assert!(run.curve(Metric::Thesis, Some(1), |row| row.absolute_mean).is_empty());
     }
 
     #[test]
-    fn the_past_is_measured_anew_in_its_place() {
-        let mut run = Run::default();
-        for k in [0, 1, 2] {
-            run.update(k, measured(k, k as f64, None));
-        }
-        run.put(1, measured(1, 7.0, Some(0.25)));
+    fn an_iteration_is_measured_anew_in_its_place() {
+        let mut run = run(3);
+        run.put(1, Metric::Thesis, measured(Metric::Thesis, 1, 7.0, None));
         assert_eq!(run.curve(Metric::Thesis, None, |row| row.absolute_mean), [[0.0, 0.0], [1.0, 7.0], [2.0, 2.0]]);
-        assert_eq!(run.fits, [[1.0, 0.25]]);
+        run.put(2, Metric::Ballistic, measured(Metric::Ballistic, 2, 0.125, Some(0.0625)));
+        assert_eq!(run.fits, [[0.0, 0.5], [1.0, 0.5], [2.0, 0.0625]]);
+        assert_eq!(run.curve(Metric::Thesis, None, |row| row.absolute_mean).len(), 3);
     }
 }

@@ -8,6 +8,8 @@ use egui::{Context, RawInput, Rect, Vec2};
 use super::command::Command;
 use super::lab::Lab;
 use super::settings::Settings;
+use super::view::Scaling;
+use crate::report::slice::SliceCell;
 use crate::scene::Preset;
 use crate::scene::injector::{Injector, InjectorKind, Side};
 
@@ -23,6 +25,8 @@ pub struct FrameCost {
     pub changed: f64,
     /// Seconds where nothing had changed.
     pub unchanged: f64,
+    /// Glyphs in a frame.
+    pub glyphs: usize,
 }
 
 /// Measures a 1920×1080 window with three views of `side`² glyphs; `None` if their light cannot be computed.
@@ -30,7 +34,10 @@ pub fn measure(side: usize) -> Option<FrameCost> {
     let ctx = Context::default();
     let walls = [Side::NegX, Side::PosX].map(|side| Injector::new(InjectorKind::Wall { side }));
     let preset = Preset { size: side, coarsest: side, injectors: walls.to_vec(), ..Preset::default() };
-    let mut lab = Lab::new(&ctx, preset, None::<PathBuf>, Settings::default()).ok()?;
+    let mut settings = Settings::default();
+    // However faint a glyph's light, it is drawn, and as large as its cell.
+    settings.view.scaling = Scaling::PerGlyph;
+    let mut lab = Lab::new(&ctx, preset, None::<PathBuf>, settings).ok()?;
     for _ in 0..side / 2 {
         lab.perform(Command::Propagate, &ctx);
     }
@@ -57,7 +64,10 @@ pub fn measure(side: usize) -> Option<FrameCost> {
         seconds.sort_by(f64::total_cmp);
         seconds[FRAMES / 2]
     };
-    Some(FrameCost { changed: median(true), unchanged: median(false) })
+    let (changed, unchanged) = (median(true), median(false));
+    let lit = |cell: &&SliceCell| cell.light.iter().any(|light| !light.is_zero());
+    let glyphs = lab.shown().iter().map(|shown| shown.slice.cells.iter().filter(lit).count()).sum();
+    Some(FrameCost { changed, unchanged, glyphs })
 }
 
 fn frame(ctx: &Context, lab: &mut Lab) {
@@ -80,5 +90,6 @@ mod tests {
     fn a_window_without_a_display_builds_its_frames() {
         let cost = measure(8).unwrap();
         assert!(cost.unchanged > 0.0 && cost.changed > 0.0, "{cost:?}");
+        assert_eq!(cost.glyphs, 3 * 8 * 8);
     }
 }

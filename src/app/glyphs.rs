@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use egui::{Color32, Mesh, Pos2, Rect, pos2, vec2};
+use egui::{Color32, Mesh, Pos2, Rect, TextureId, pos2, vec2};
 
 use super::look::Shown;
 use super::mesh::{Ink, color};
+use super::sprites;
 use super::view::{Heat, View};
 use crate::report::colour::Theme;
-use crate::report::glyph::{FULL_RADIUS, GlyphScale, Glyphs, Outline, fit, peak};
+use crate::report::glyph::{FULL_RADIUS, GlyphScale, Glyphs, Lobes, Outline, fit};
 
 /// The part of the largest glyphs that may be cut off by their cells where a linear scale follows the light.
 const LINEAR_QUANTILE: f32 = 0.99;
@@ -20,6 +21,9 @@ const DARK_FULL: f32 = 1.0;
 const POINTS: [usize; 6] = [8, 12, 16, 24, 48, 96];
 /// The smallest radius that is drawn, in points.
 const SMALLEST: f32 = 0.25;
+/// The radius up to which glyphs are drawn from pictures of their shapes, in pixels: an outline's triangles take ten
+/// times the memory, and thousands of small glyphs are what makes a frame slow.
+const LARGEST_SPRITE: f32 = 6.0;
 /// The least distance of edges that are drawn, in points.
 const CLOSEST_EDGES: f32 = 4.0;
 
@@ -95,6 +99,8 @@ pub struct Placing {
     pub origin: Pos2,
     /// A finest cell's side, in points.
     pub cell: f32,
+    /// Pixels in a point.
+    pub density: f32,
 }
 
 impl Placing {
@@ -117,25 +123,41 @@ impl Placing {
     }
 }
 
-/// Draws a slice into one mesh.
-pub fn mesh(shown: &Shown, view: &View, scale: &Scale, theme: &Theme, placing: &Placing) -> Arc<Mesh> {
+/// Draws a slice: all but its smallest glyphs, and over it those, as squares of the texture `sprites`.
+pub fn meshes(
+    shown: &Shown,
+    view: &View,
+    scale: &Scale,
+    theme: &Theme,
+    placing: &Placing,
+    sprites: TextureId,
+) -> [Arc<Mesh>; 2] {
     let mut ink = Ink::default();
+    let mut small = Mesh::with_texture(sprites);
     grounds(&mut ink, shown, view, scale, theme, placing);
     if view.cells {
         edges(&mut ink, shown, theme, placing);
     }
     if view.glyphs {
-        glyphs(&mut ink, shown, view, scale, theme, placing);
+        glyphs(&mut ink, &mut small, shown, view, scale, theme, placing);
     }
     for border in &shown.slice.borders {
         let at = |[column, row]: [usize; 2]| placing.at(column as f32, row as f32);
         ink.line(at(border.from), at(border.to), 1.6, color(theme.ink));
     }
-    Arc::new(ink.mesh)
+    [ink.mesh, small].map(Arc::new)
 }
 
 /// The glyphs that can be seen, each with as many points as its size can show.
-fn glyphs(ink: &mut Ink, shown: &Shown, view: &View, scale: &Scale, theme: &Theme, placing: &Placing) {
+fn glyphs(
+    ink: &mut Ink,
+    small: &mut Mesh,
+    shown: &Shown,
+    view: &View,
+    scale: &Scale,
+    theme: &Theme,
+    placing: &Placing,
+) {
     let axis = shown.slice.plane.axis;
     let pens = POINTS.map(|points| Glyphs::new(axis, scale.glyph, points));
     let negative = view.negative.then_some(color(theme.negative));
@@ -146,16 +168,21 @@ fn glyphs(ink: &mut Ink, shown: &Shown, view: &View, scale: &Scale, theme: &Them
             continue;
         }
         let light = view.hue().of(cell.light);
-        let peak = peak(light, axis);
+        let lobes = Lobes::of(light, axis);
+        let peak = lobes.peak();
         let radius = FULL_RADIUS * square.width() * scale.glyph.share(peak, peak).min(1.0);
         if radius.is_nan() || radius < SMALLEST {
             continue;
         }
+        let share = scale.glyph.share(peak, scale.full).clamp(0.0, 1.0);
+        let positive = color(view.paint().glyph(theme, cell.light, light, axis, share));
+        if radius * placing.density < LARGEST_SPRITE {
+            sprites::glyph(small, &lobes, square.center(), radius, [Some(positive), negative]);
+            continue;
+        }
         let pen = POINTS.iter().position(|points| *points as f32 >= 3.0 * radius).unwrap_or(POINTS.len() - 1);
         pens[pen].outline(light, &mut outline);
-        let share = scale.glyph.share(peak, scale.full).clamp(0.0, 1.0);
-        let positive = view.paint().glyph(theme, cell.light, light, axis, share);
-        ink.glyph(&outline, square.center(), square.width(), color(positive), negative);
+        ink.glyph(&outline, square.center(), square.width(), positive, negative);
     }
 }
 
@@ -244,7 +271,7 @@ mod tests {
     #[test]
     fn a_place_on_screen_is_in_the_cell_that_is_drawn_there() {
         let clip = Rect::from_min_size(pos2(10.0, 20.0), vec2(80.0, 80.0));
-        let placing = Placing { clip, origin: clip.left_bottom(), cell: 10.0 };
+        let placing = Placing { clip, origin: clip.left_bottom(), cell: 10.0, density: 1.0 };
         for at in [[0, 0], [7, 0], [3, 5]] {
             let middle = placing.square(at[0], at[1], 1).center();
             assert_eq!(placing.cell_at(middle, 8), Some(at));

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use egui::{Align2, Color32, FontId, Mesh, Pos2, Rect, Response, Sense, Shape, Ui, Vec2, pos2, vec2};
+use egui::{Align2, Color32, FontId, Mesh, Pos2, Rect, Response, Sense, Shape, TextureHandle, Ui, Vec2, pos2, vec2};
 
-use super::glyphs::{Placing, Scale, Scales, mesh};
+use super::glyphs::{Placing, Scale, Scales, meshes};
 use super::look::Shown;
 use super::mesh::color;
+use super::sprites;
 use super::view::View;
 use crate::report::colour::Theme;
 use crate::report::slice::{Axis, Slice};
@@ -82,7 +83,9 @@ pub struct Pointed {
 #[derive(Default)]
 pub struct Grids {
     cameras: Vec<Camera>,
-    drawn: Vec<Option<(Key, Arc<Mesh>)>>,
+    drawn: Vec<Option<(Key, [Arc<Mesh>; 2])>>,
+    /// The shapes of small glyphs, once there is something to draw.
+    sprites: Option<TextureHandle>,
 }
 
 impl Grids {
@@ -138,19 +141,20 @@ impl Grids {
         let cell = rect.width() * camera.zoom / shown.slice.side.max(1) as f32;
         let whole = cell * shown.slice.side as f32;
         let origin = rect.center() + vec2(-camera.centre.x, camera.centre.y) * whole;
-        let placing = Placing { clip: rect, origin, cell };
+        let placing = Placing { clip: rect, origin, cell, density: ui.pixels_per_point() };
         let key = Key { slice: Arc::clone(&shown.slice), view: view.clone(), scale: *scale, placing, dark: theme.dark };
-        let mesh = match &self.drawn[i] {
-            Some((known, mesh)) if *known == key => Arc::clone(mesh),
+        let sprites = self.sprites.get_or_insert_with(|| sprites::texture(ui.ctx())).id();
+        let meshes = match &self.drawn[i] {
+            Some((known, meshes)) if *known == key => meshes.clone(),
             _ => {
-                let mesh = mesh(shown, view, scale, theme, &placing);
-                self.drawn[i] = Some((key, Arc::clone(&mesh)));
-                mesh
+                let meshes = meshes(shown, view, scale, theme, &placing, sprites);
+                self.drawn[i] = Some((key, meshes.clone()));
+                meshes
             }
         };
         let painter = ui.painter_at(rect.expand(1.0));
         painter.rect_filled(rect, 0.0, color(theme.ground));
-        painter.add(Shape::mesh(mesh));
+        painter.extend(meshes.map(Shape::mesh));
         for mark in marks.iter().filter(|mark| mark.pane.is_none_or(|pane| pane == i)) {
             let low = placing.at(mark.column as f32, mark.row as f32);
             let high = placing.at((mark.column + mark.size[0]) as f32, (mark.row + mark.size[1]) as f32);
@@ -222,7 +226,7 @@ fn frame_text(ui: &Ui, rect: Rect, shown: &Shown, title: &str, theme: &Theme, pl
     title_job.wrap = egui::text::TextWrapping::truncate_at_width(rect.width());
     let galley = painter.layout_job(title_job);
     painter.galley(pos2(rect.left(), rect.top() - TITLE + 2.0), galley, color(theme.ink));
-    let small = FontId::proportional(10.5);
+    let small = FontId::proportional(11.5);
     let muted = color(theme.muted);
     let axis = shown.slice.plane.axis;
     let numbers = |low: f32| low.max(0.0) as usize;

@@ -66,7 +66,7 @@ fn numbers(ui: &mut Ui, light: [Sh<f32>; 3], error: Option<CellError>, against: 
         ui.end_row();
         for (name, light) in colours {
             ui.small(name);
-            let small = |text: String| RichText::new(text).monospace().size(10.0);
+            let small = |text: String| RichText::new(text).monospace().size(11.0);
             light.to_basis().into_iter().for_each(|c| drop(ui.label(small(number(c)))));
             ui.end_row();
         }

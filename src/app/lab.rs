@@ -26,6 +26,7 @@ use super::worker::{Load, Order, Progress, Start, Worker};
 use crate::field::Levels;
 use crate::scene::{Preset, Scene};
 use crate::simulation::Change;
+use crate::study::error::Metric;
 
 /// A line at the window's foot.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,6 +64,8 @@ pub struct Lab {
     pub(super) scales: Option<(View, Scales)>,
     pub(super) cloud: Option<Arc<Cloud>>,
     pub(super) asked: Option<Look>,
+    /// The metric that the worker was told to measure by first.
+    pub(super) measured_by: Option<Metric>,
     /// Whether the views show what was asked for, after the last action.
     pub(super) answered: bool,
     /// The iteration that is seen; `None` follows the latest.
@@ -116,6 +119,7 @@ impl Lab {
             scales: None,
             cloud: None,
             asked: None,
+            measured_by: None,
             answered: false,
             at: None,
             grids: Grids::default(),

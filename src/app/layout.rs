@@ -11,6 +11,9 @@ use super::view::Stage;
 use super::{compare, timeline, toolbar};
 use crate::scene::builtin;
 
+/// The height from which the plots have a size of their own, in points.
+const TALL: f32 = 950.0;
+
 impl Lab {
     /// The whole window.
     pub fn ui(&mut self, ui: &mut Ui) {
@@ -20,9 +23,12 @@ impl Lab {
         Panel::top("actions").show(ui, |ui| toolbar::actions(self, ui));
         Panel::bottom("foot").show(ui, |ui| self.foot(ui));
         Panel::left("scene").default_size(290.0).size_range(230.0..=480.0).show(ui, |ui| self.scene(ui));
-        // A taller window has more to give to both, but glyphs need the most.
-        let errors = (ui.available_height() * 0.36).max(200.0);
-        Panel::bottom("errors").default_size(errors).size_range(90.0..=700.0).resizable(true).show(ui, |ui| {
+        // A taller window has more to give to both, but glyphs need the most. What a window was given while it was
+        // small is not what it is to have on a whole screen.
+        let height = ui.available_height();
+        let errors = (height * 0.36).max(200.0);
+        let name = if height > TALL { "errors, tall" } else { "errors" };
+        Panel::bottom(name).default_size(errors).size_range(90.0..=700.0).resizable(true).show(ui, |ui| {
             self.plots(ui);
         });
         Panel::bottom("timeline").show(ui, |ui| timeline::ui(self, ui));

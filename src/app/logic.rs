@@ -7,6 +7,7 @@ use egui::Context;
 
 use super::closing::Next;
 use super::command::{self, Command};
+use super::errors::Tab;
 use super::files::Purpose;
 use super::lab::Lab;
 use super::look::{Against, CloudAsk, Light, Look, Of, Pane, State};
@@ -41,6 +42,7 @@ impl Lab {
             self.use_file(purpose, &path, ctx);
         }
         self.drop_files(ctx);
+        self.choose_metric();
         self.seek_truth(ctx);
         self.seek_profiles(ctx);
         self.hear_pareto(ctx);
@@ -50,6 +52,17 @@ impl Lab {
             self.worker.order(Order::Look(look.clone()));
             self.asked = Some(look);
             self.answered = false;
+        }
+    }
+
+    /// Has measured first what the plots show.
+    fn choose_metric(&mut self) {
+        let plots = &self.settings.plots;
+        let metric = (plots.tab == Tab::Errors).then(|| plots.metric());
+        if self.measured_by != metric {
+            self.measured_by = metric;
+            self.answered = false;
+            self.worker.order(Order::Measure(metric));
         }
     }
 
@@ -72,13 +85,13 @@ impl Lab {
                 self.truth.turn_to(&scene);
                 self.scene = Some(scene);
             }
-            News::Measured { iteration, errors, behind } => {
+            News::Measured { iteration, metric, errors, behind } => {
                 self.progress.behind = behind;
                 for (run, measured) in self.runs.iter_mut().zip(errors) {
-                    run.put(iteration, measured);
+                    run.put(iteration, metric, measured);
                 }
             }
-            News::Done { change, progress, errors } => {
+            News::Done { change, progress } => {
                 self.waiting = None;
                 self.answered = false;
                 self.change = change.or(self.change);
@@ -87,9 +100,9 @@ impl Lab {
                     self.centre = false;
                     self.settings.view.index = progress.brightest[self.settings.view.across.min(2)];
                 }
-                for (run, measured) in self.runs.iter_mut().zip(errors) {
-                    run.update(progress.iteration, measured);
-                }
+                let same = change.is_none_or(|change| change.action == Action::Merge);
+                let from = progress.iteration + usize::from(same);
+                self.runs.iter_mut().for_each(|run| run.forget_from(from));
             }
             News::Shown { look, panes, cloud } => {
                 if self.asked.as_ref() == Some(&look) {

@@ -91,7 +91,9 @@ impl Lab {
 
     pub(super) fn keys(&mut self, ctx: &Context) {
         let mut open = self.keys_open;
-        egui::Window::new("Keyboard reference").open(&mut open).resizable(false).default_width(420.0).show(ctx, |ui| {
+        let window = egui::Window::new("Keyboard reference").open(&mut open).resizable(false).default_width(420.0);
+        let middle = ctx.content_rect().center();
+        window.pivot(egui::Align2::CENTER_CENTER).default_pos(middle).show(ctx, |ui| {
             egui::ScrollArea::vertical().max_height(480.0).show(ui, |ui| {
                 egui::Grid::new("keys").num_columns(3).striped(true).show(ui, |ui| {
                     for command in Command::ALL {
@@ -107,6 +109,7 @@ impl Lab {
                 ui.label("Double-click a cell to add a single injector, or to pick up the one that is there.");
                 ui.label("In 3D: drag to orbit, Shift and drag to pan, scroll to zoom, double-click to reset.");
                 ui.label("Drag a number to change it, or click it and type.");
+                ui.label("Ctrl and + or − make everything larger or smaller.");
             });
         });
         self.keys_open = open;

@@ -32,7 +32,7 @@ const LEVELS: [(&str, MarkerShape, &str); 4] = [
     ("uniform", MarkerShape::Circle, "⏺ finest level alone"),
     ("same", MarkerShape::Square, "⏹ one factor for all levels"),
     ("consistent", MarkerShape::Up, "⏶ consistent levels"),
-    ("converged", MarkerShape::Diamond, "♦ fixed point, solved for"),
+    ("converged", MarkerShape::Cross, "✖ fixed point, solved for"),
 ];
 
 /// What run time is set against.

@@ -8,6 +8,7 @@ use super::errors::{Curves, Run, Tab};
 use super::lab::Lab;
 use super::style::theme;
 use super::{controls, inspector, toolbar};
+use crate::study::error::Metric;
 
 /// A menu that stays open while things in it are chosen.
 pub fn lasting_menu(ui: &mut Ui, text: &str, content: impl FnOnce(&mut Ui)) -> egui::Response {
@@ -78,6 +79,11 @@ impl Lab {
             lasting_menu(ui, "Kept runs", |ui| self.kept_runs(ui));
         }
         self.truth_progress(ui);
+        // The present iteration alone is measured before the eye is there.
+        if self.progress.until.is_none() && self.progress.behind > Metric::ALL.len() {
+            ui.spinner();
+            ui.label(format!("{} measurements to come", self.progress.behind));
+        }
     }
 
     fn export_menu(&mut self, ui: &mut Ui) {

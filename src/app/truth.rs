@@ -132,10 +132,6 @@ impl Lab {
                     self.truth.state = State::Unknown;
                 }
             }
-            State::Known(_) if self.progress.behind > 0 => {
-                ui.spinner();
-                ui.label(format!("{} iterations to measure", self.progress.behind));
-            }
             State::Unknown | State::Known(_) => {}
         }
     }

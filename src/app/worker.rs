@@ -7,6 +7,7 @@
 //! here is caught and told, and the window lives on.
 
 mod desk;
+mod ledger;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -18,6 +19,7 @@ use super::track::Measured;
 use crate::scene::{Preset, Scene};
 use crate::simulation::{Action, Change};
 use crate::study::ballistic::Ballistic;
+use crate::study::error::Metric;
 
 /// What a newly loaded scene is to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,7 +65,9 @@ pub enum Order {
     Pin(Option<Pin>),
     /// Use this much memory, in bytes, for the past.
     Budget(usize),
-    /// Measure against what truly arrives from now on, and the past as well; or no longer.
+    /// Measure by this metric before others, the past as well.
+    Measure(Option<Metric>),
+    /// What truly arrives, to measure against; or no longer.
     Truth(Option<Arc<Ballistic>>),
     /// Break down, so that tests see what becomes of the window.
     #[cfg(test)]
@@ -99,7 +103,7 @@ pub struct Progress {
     pub seconds: f64,
     /// The share of the cells that the iterations so far had to compute.
     pub visited: f64,
-    /// Past iterations that are still to be measured against what truly arrives.
+    /// Measurements that are still to come: iterations, once for each metric.
     pub behind: usize,
 }
 
@@ -108,20 +112,20 @@ pub struct Progress {
 pub enum News {
     /// The scene that is run from now on.
     Loaded(Arc<Scene>),
-    /// An action is done. `errors` holds what was measured of the present iteration for each propagator; what was
-    /// told of it and later ones before no longer holds.
+    /// An action is done. What was measured of later iterations no longer holds, nor does what was measured of the
+    /// present one if its light changed.
     Done {
         /// What changed, if an action did it.
         change: Option<Change>,
         /// How far the worker is.
         progress: Progress,
-        /// The errors of the present iteration.
-        errors: Vec<Measured>,
     },
-    /// A past iteration has been measured anew.
+    /// An iteration has been measured.
     Measured {
         /// The iteration.
         iteration: usize,
+        /// By what.
+        metric: Metric,
         /// Its errors for each propagator.
         errors: Vec<Measured>,
         /// How many are still to come.

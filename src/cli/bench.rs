@@ -78,11 +78,18 @@ impl From<BenchmarkError> for CliError {
     }
 }
 
+impl BenchArgs {
+    /// Whether nothing was asked for by itself.
+    pub fn measures_all(&self) -> bool {
+        !self.only_pareto && !self.only_converged
+    }
+}
+
 /// Does the command.
 pub fn run(args: &BenchArgs) -> Result<(), CliError> {
     let folder = Folder::create(args.out.clone())?;
     let rounds = usize::from(args.rounds);
-    if !args.only_pareto && !args.only_converged {
+    if args.measures_all() {
         kernels(args, &folder)?;
     }
     let sizes = without_none(&args.converged);

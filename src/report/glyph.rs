@@ -133,8 +133,8 @@ pub struct Outline {
 }
 
 /// A two-band function within a slice: f(θ) = mean + swing·cos(θ − φ), swing ≥ 0.
-#[derive(Clone, Copy)]
-struct Lobes {
+#[derive(Clone, Copy, Debug)]
+pub struct Lobes {
     mean: f32,
     swing: f32,
     /// (cos φ, sin φ)
@@ -142,7 +142,8 @@ struct Lobes {
 }
 
 impl Lobes {
-    fn of(light: Sh<f32>, axis: Axis) -> Self {
+    /// That of `light` within cuts across `axis`.
+    pub fn of(light: Sh<f32>, axis: Axis) -> Self {
         let Sh([c00, x, y, z]) = light;
         let [right, up] = axis.project([x, y, z]);
         let length = right.hypot(up);
@@ -150,8 +151,20 @@ impl Lobes {
         Lobes { mean: K0 as f32 * c00, swing: K1 as f32 * length, peak_direction }
     }
 
-    fn peak(self) -> f32 {
+    /// The largest |f|, per steradian.
+    pub fn peak(self) -> f32 {
         self.mean.abs() + self.swing
+    }
+
+    /// (cos φ, sin φ): to the right and upwards in the slice.
+    pub fn peak_direction(self) -> [f32; 2] {
+        self.peak_direction
+    }
+
+    /// mean / peak: 1 where f is the same all round, 0 where it is all swing, −1 where it is negative all round.
+    /// Not a number where all is dark.
+    pub fn roundness(self) -> f32 {
+        self.mean / self.peak()
     }
 }
 

@@ -66,3 +66,33 @@ fn references_are_compared_and_their_differences_are_true() {
         assert_eq!(run.curve(Metric::Ballistic, None, |row| row.l1_ratio).len(), 6, "{}", run.name);
     }
 }
+
+#[test]
+fn differences_are_those_of_the_views_on_every_level_and_of_every_light() {
+    let mut harness = window(SMALL);
+    click(&mut harness, "Run all");
+    harness.key_press(egui::Key::F3);
+    settle(&mut harness);
+    choose(&mut harness, "Propagator B scheme", "axial");
+    click(&mut harness, "Add propagator or reference");
+    choose(&mut harness, "Propagator C scheme", "Uniform volume");
+    click(&mut harness, "Run again");
+    for (light, levels) in [
+        ("Source", ["Merged", "Level 0 (finest)", "Level 1", "Level 2"]),
+        ("Accumulated", ["Level 3", "Level 1", "Level 0 (finest)", "Merged"]),
+    ] {
+        choose(&mut harness, "Compared light", light);
+        for level in levels {
+            choose(&mut harness, "Level", level);
+            let lab = lab(&harness);
+            assert_eq!(lab.shown().len(), 5, "{light}, {level}");
+            for (rival, difference) in [(1, 3), (2, 4)] {
+                for cell in &lab.shown()[difference].slice.cells {
+                    // Where the other view's cells are smaller, the one in the lower left corner counts.
+                    let at = |pane| red(lab, pane, [cell.column, cell.row]);
+                    assert_eq!(at(difference), at(rival) - at(0), "{light}, {level}, {}, {}", cell.column, cell.row);
+                }
+            }
+        }
+    }
+}

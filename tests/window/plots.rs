@@ -97,10 +97,21 @@ fn run_time_is_set_against_error_and_can_be_called_off() {
     click(&mut harness, "Measure");
     harness.get_by_label("Run time against error");
     let rows = lab(&harness).pareto_rows().to_vec();
-    // Against two references: three ways to treat levels, six numbers of iterations.
-    let iterated = rows.iter().filter(|row| scheme::names().contains(&&*row.scheme) && row.levels != "converged");
-    assert_eq!(iterated.count(), 2 * 3 * 6 * scheme::names().len());
-    assert!(rows.iter().any(|row| row.scheme.starts_with("ordinates")));
+    for scheme in scheme::names() {
+        for (levels, reference) in
+            ["uniform", "same", "consistent"].into_iter().flat_map(|l| [(l, "uniform"), (l, "ballistic")])
+        {
+            let ours =
+                rows.iter().filter(|row| row.scheme == scheme && row.levels == levels && row.reference == reference);
+            let mut iterations: Vec<usize> = ours.map(|row| row.iterations).collect();
+            iterations.sort_unstable();
+            assert_eq!(iterations, [1, 2, 4, 8, 16, 32], "{scheme}, {levels}, {reference}");
+        }
+    }
+    // At p = 3 blog's light grows without bound (critical factor 2.99 at 8³): there is nothing to solve for.
+    let solved = |scheme: &str| rows.iter().any(|row| row.scheme == scheme && row.levels == "converged");
+    assert!(solved("cascaded") && !solved("blog"));
+    assert!(rows.iter().any(|row| row.scheme.contains("ordinates")));
     assert!(rows.iter().all(|row| row.size == 8 && row.preset == "Small"));
     choose(&mut harness, "Error against", "Against the uniform fixed point");
     harness.get_by_label("Run time against error");
@@ -127,4 +138,19 @@ fn what_was_skipped_is_told() {
     let share: f64 = text.trim_start_matches("·  ").trim_end_matches(" % visited").parse().unwrap();
     // Five iterations from one cell of 8³ do not reach all of it.
     assert!(share > 0.0 && share < 100.0, "{text}");
+}
+
+#[test]
+fn the_legend_switches_curves() {
+    let mut harness = window(SMALL);
+    click(&mut harness, "Run all");
+    let drawn = |harness: &Window| {
+        let entries = harness.get_all_by_role_and_label(egui::accesskit::Role::CheckBox, "maximum");
+        entries.map(|entry| entry.accesskit_node().toggled()).collect::<Vec<_>>()
+    };
+    let (on, off) = (Some(egui::accesskit::Toggled::True), Some(egui::accesskit::Toggled::False));
+    assert_eq!(drawn(&harness), [on, on]);
+    harness.get_all_by_role_and_label(egui::accesskit::Role::CheckBox, "maximum").next().unwrap().click();
+    settle(&mut harness);
+    assert_eq!(drawn(&harness), [off, on]);
 }

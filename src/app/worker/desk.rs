@@ -1,11 +1,11 @@
 //! The worker's own end: the tracks, the run in progress and the orders as they come in.
 
-use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvError, Sender, TryRecvError};
 use std::time::{Duration, Instant};
 
+use super::ledger::Ledger;
 use super::{Load, News, Order, Progress, Start};
 use crate::app::cut;
 use crate::app::look::{Look, Pin};
@@ -13,10 +13,14 @@ use crate::app::track::{Measured, Track};
 use crate::scene::Scene;
 use crate::simulation::{Action, Change};
 use crate::study::ballistic::Ballistic;
+use crate::study::error::Metric;
 use crate::study::stability::outlook;
 
 /// The least time between two pictures of a run in progress.
 const BETWEEN_PICTURES: Duration = Duration::from_millis(30);
+/// Volumes up to this side are measured by every metric, so that curves are there when they are asked for; larger
+/// ones only by the metric that is seen.
+const MEASURED_BY_ALL: usize = 64;
 
 /// A run in progress.
 #[derive(Clone, Copy, Debug)]
@@ -42,8 +46,9 @@ pub struct Desk {
     pictured: Option<Instant>,
     /// What is measured against; it is that of the scene that runs.
     truth: Option<Arc<Ballistic>>,
-    /// The past iterations that are still to be measured against it: those that were there before it.
-    unmeasured: Range<usize>,
+    /// The metric that is seen.
+    metric: Option<Metric>,
+    measured: Ledger,
 }
 
 impl Desk {
@@ -69,7 +74,8 @@ impl Desk {
             seconds: 0.0,
             pictured: None,
             truth: None,
-            unmeasured: 0..0,
+            metric: None,
+            measured: Ledger::default(),
         }
     }
 
@@ -80,7 +86,6 @@ impl Desk {
                 // What the panic left half done is not to be shown.
                 self.tracks.clear();
                 self.run = None;
-                self.unmeasured = 0..0;
                 self.tell(News::Failed("the computation broke down; edit the scene or run it again".to_owned()));
             }
         }
@@ -89,7 +94,7 @@ impl Desk {
     /// The orders that are to be followed now; none while work in progress has nothing in its way.
     fn wait(&self) -> Result<Vec<(u64, Order)>, RecvError> {
         let mut orders = Vec::new();
-        if self.run.is_none() && self.unmeasured.is_empty() {
+        if self.run.is_none() && self.behind() == 0 {
             orders.push(self.inbox.recv()?);
         }
         loop {
@@ -109,6 +114,10 @@ impl Desk {
         }
         let Some(run) = self.run else { return self.catch_up() };
         if self.iteration() < run.until {
+            // The past may not be remembered when the run is over.
+            if let Some(metric) = self.metric {
+                self.measure(metric, self.iteration());
+            }
             self.act(Action::Propagate);
             if self.run.is_none() {
                 return self.picture(false);
@@ -147,7 +156,7 @@ impl Desk {
                     self.tell(News::Failed(format!("iteration {k} is no longer remembered; run the scene again")));
                 }
                 self.merged = false;
-                self.unmeasured.end = self.unmeasured.end.min(self.iteration());
+                self.measured.forget_from(self.iteration() + 1);
                 self.tell_progress(None);
                 self.picture(false);
             }
@@ -161,6 +170,11 @@ impl Desk {
             }
             #[cfg(test)]
             Order::Panic => panic!("as ordered"),
+            Order::Measure(metric) => {
+                self.metric = metric;
+                self.tell_progress(None);
+                self.picture(false);
+            }
             Order::Truth(truth) => {
                 self.measure_against(truth);
                 self.tell_progress(None);
@@ -180,25 +194,55 @@ impl Desk {
     fn measure_against(&mut self, truth: Option<Arc<Ballistic>>) {
         let scene = self.tracks.first().map(|track| track.now().scene());
         self.truth = truth.filter(|truth| scene.is_some_and(|scene| truth.is_of(scene)));
-        let oldest = self.tracks.iter().map(Track::oldest).max().unwrap_or(0);
-        self.unmeasured = if self.truth.is_some() { oldest..self.iteration() } else { 0..0 };
+        self.measured.forget(Metric::Ballistic);
     }
 
-    /// Measures one of the iterations that were there before the reference.
+    /// What is measured, what is seen first.
+    fn metrics(&self) -> Vec<Metric> {
+        let small = self.tracks.first().is_some_and(|track| track.now().sizes().finest() <= MEASURED_BY_ALL);
+        let others = Metric::ALL.into_iter().filter(|metric| small && Some(*metric) != self.metric);
+        let possible = |metric: &Metric| *metric != Metric::Ballistic || self.truth.is_some();
+        self.metric.into_iter().chain(others).filter(possible).collect()
+    }
+
+    /// The iterations that are still to be measured, oldest first.
+    fn unmeasured(&self, metric: Metric) -> impl DoubleEndedIterator<Item = usize> {
+        self.measured.open(metric, self.oldest()..=self.iteration())
+    }
+
+    /// How many measurements are still to come.
+    fn behind(&self) -> usize {
+        if self.tracks.is_empty() {
+            return 0;
+        }
+        self.metrics().into_iter().map(|metric| self.unmeasured(metric).count()).sum()
+    }
+
+    /// Measures the newest iteration that has not been.
     fn catch_up(&mut self) {
-        let Some(iteration) = self.unmeasured.next() else { return };
+        if self.tracks.is_empty() {
+            return;
+        }
+        let next = self.metrics().into_iter().find_map(|metric| Some((metric, self.unmeasured(metric).next_back()?)));
+        if let Some((metric, iteration)) = next {
+            self.measure(metric, iteration);
+        }
+    }
+
+    fn measure(&mut self, metric: Metric, iteration: usize) {
         let truth = self.truth.as_deref();
         let errors = self.tracks.iter_mut().map(|track| {
             let state = track.at(Some(iteration));
-            state.map(|state| Measured::of(state, truth)).unwrap_or_default()
+            state.map(|state| Measured::of(state, metric, truth)).unwrap_or_default()
         });
         let errors = errors.collect();
-        self.tell(News::Measured { iteration, errors, behind: self.unmeasured.len() });
+        self.measured.enter(metric, iteration);
+        self.tell(News::Measured { iteration, metric, errors, behind: self.behind() });
     }
 
     fn load(&mut self, load: &Load) {
         self.tracks.clear();
-        self.unmeasured = 0..0;
+        self.measured = Ledger::default();
         self.run = None;
         self.merged = false;
         match self.tracks_of(load) {
@@ -253,6 +297,11 @@ impl Desk {
         self.tracks.first().map_or(0, |track| track.now().iteration())
     }
 
+    /// The oldest iteration that every propagator remembers.
+    fn oldest(&self) -> usize {
+        self.tracks.iter().map(Track::oldest).max().unwrap_or(0)
+    }
+
     fn act(&mut self, action: Action) {
         let started = Instant::now();
         let mut first = None;
@@ -267,6 +316,9 @@ impl Desk {
             self.run = None;
             self.tell(News::Failed(format!("{divergence}; use a smaller factor")));
         }
+        if action != Action::Merge {
+            self.measured.forget_from(self.iteration());
+        }
         self.merged = action == Action::Merge || (self.merged && !change.accumulated);
         self.tell_progress(Some(change));
     }
@@ -277,7 +329,7 @@ impl Desk {
         let index = track.now().index();
         let progress = Progress {
             iteration: track.now().iteration(),
-            oldest: self.tracks.iter().map(Track::oldest).max().unwrap_or(0),
+            oldest: self.oldest(),
             until: self.run.map(|run| run.until),
             lit: (0..sizes.count()).map(|i| index.level(i).count()).sum(),
             cells: sizes.cells(),
@@ -289,14 +341,9 @@ impl Desk {
             brightest: self.brightest,
             seconds: self.seconds,
             visited: track.now().work().share(),
-            behind: self.unmeasured.len(),
+            behind: self.behind(),
         };
-        let measure = |track: &Track| Measured::of(track.now(), self.truth.as_deref());
-        let errors = match progress.lit {
-            0 => vec![Measured::default(); self.tracks.len()],
-            _ => self.tracks.iter().map(measure).collect(),
-        };
-        self.tell(News::Done { change, progress, errors });
+        self.tell(News::Done { change, progress });
     }
 
     /// Sends what is to be seen; a run in progress does not send more pictures than can be watched.
@@ -330,7 +377,7 @@ impl Desk {
 fn newest(mut orders: Vec<(u64, Order)>) -> Vec<(u64, Order)> {
     if let Some(load) = orders.iter().rposition(|(_, order)| matches!(order, Order::Load(_))) {
         let outlasts =
-            |order: &Order| matches!(order, Order::Look(_) | Order::Pin(_) | Order::Budget(_) | Order::Truth(_));
+            |order: &Order| !matches!(order, Order::Load(_) | Order::Act(_) | Order::Stop | Order::Restart(_));
         let mut at = 0;
         orders.retain(|(_, order)| {
             at += 1;

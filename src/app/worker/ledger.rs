@@ -1,0 +1,56 @@
+//! Which iterations have been measured, by which metric: measuring takes longer than an iteration in a large volume,
+//! so it follows behind, the newest iteration first.
+
+use std::collections::{BTreeSet, HashMap};
+use std::ops::RangeInclusive;
+
+use crate::study::error::Metric;
+
+/// What has been measured.
+#[derive(Debug, Default)]
+pub struct Ledger {
+    done: HashMap<Metric, BTreeSet<usize>>,
+}
+
+impl Ledger {
+    /// Notes that an iteration has been measured.
+    pub fn enter(&mut self, metric: Metric, iteration: usize) {
+        self.done.entry(metric).or_default().insert(iteration);
+    }
+
+    /// Iteration `k` and later ones are not what they were.
+    pub fn forget_from(&mut self, k: usize) {
+        self.done.values_mut().for_each(|done| done.retain(|iteration| *iteration < k));
+    }
+
+    /// What was measured by a metric no longer holds.
+    pub fn forget(&mut self, metric: Metric) {
+        self.done.remove(&metric);
+    }
+
+    /// The iterations of `all` that are still to be measured, oldest first.
+    pub fn open(&self, metric: Metric, all: RangeInclusive<usize>) -> impl DoubleEndedIterator<Item = usize> {
+        let done = self.done.get(&metric);
+        all.filter(move |iteration| done.is_none_or(|done| !done.contains(iteration)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_open_is_what_was_not_entered_or_was_forgotten() {
+        let mut ledger = Ledger::default();
+        for k in [0, 1, 3, 4] {
+            ledger.enter(Metric::Thesis, k);
+        }
+        let open = |ledger: &Ledger, metric| ledger.open(metric, 1..=5).collect::<Vec<_>>();
+        assert_eq!(open(&ledger, Metric::Thesis), [2, 5]);
+        assert_eq!(open(&ledger, Metric::Merged), [1, 2, 3, 4, 5]);
+        ledger.forget_from(3);
+        assert_eq!(open(&ledger, Metric::Thesis), [2, 3, 4, 5]);
+        ledger.forget(Metric::Thesis);
+        assert_eq!(open(&ledger, Metric::Thesis), [1, 2, 3, 4, 5]);
+    }
+}
