@@ -123,13 +123,13 @@ fn discarding_changes_gives_up_what_was_kept_of_them() {
 fn work_that_cannot_be_read_is_told_of_and_blocks_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let at = |number: usize| folder.path().join(format!("unsaved-{number}-0.ron"));
+    drop(edited(folder.path()));
     fs::write(at(1), "(name: \"x\", preset: (version: 1, ").unwrap();
     fs::write(at(2), b"\xff\xfe\0").unwrap();
     fs::write(at(3), "(name: \"x\", path: None, preset: (version: 99))").unwrap();
     fs::File::create(at(4)).and_then(|file| file.set_len(1 << 40)).unwrap();
     fs::create_dir(at(5)).unwrap();
     fs::write(at(6), "(name: \"x\", preset: ".to_owned() + &"(".repeat(1_000_000)).unwrap();
-    drop(edited(folder.path()));
     let mut harness = window_in(folder.path(), SMALL);
     harness.get_by_label_contains("cannot be recovered");
     click(&mut harness, "Recover");
