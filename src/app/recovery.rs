@@ -98,6 +98,7 @@ impl Recovery {
                 }
                 Err(error) => {
                     complaints.push(put_aside(&path, &error, "this unsaved work cannot be recovered").1);
+                    slot.remove_lock();
                 }
             }
         }

@@ -102,8 +102,7 @@ fn scale(ui: &mut Ui, view: &mut super::view::View) {
         }
     });
     if view.scaling == Scaling::Log {
-        let decades =
-            DragValue::new(&mut view.decades).range(DECADES).speed(0.05).suffix(" decades").max_decimals(1);
+        let decades = DragValue::new(&mut view.decades).range(DECADES).speed(0.05).suffix(" decades").max_decimals(1);
         name(&ui.add(decades).on_hover_text("Powers of ten from a full glyph to none"), "Decades");
     }
     if view.scaling != Scaling::PerGlyph {

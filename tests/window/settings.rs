@@ -13,6 +13,9 @@ use crate::driver::*;
 /// The two files that are read at the start.
 const FILES: [&str; 2] = ["settings.ron", "app.ron"];
 
+/// Puts something at a path.
+type Make = Box<dyn Fn(&Path)>;
+
 fn keep(harness: &mut Window) {
     harness.state_mut().as_mut().expect("a window").keep_settings();
 }
@@ -42,7 +45,7 @@ fn settings_are_there_at_the_next_start() {
 #[test]
 fn what_cannot_be_read_is_put_aside_and_told_of_in_a_line() {
     let text = |bytes: &'static [u8]| Box::new(move |path: &Path| fs::write(path, bytes).unwrap());
-    let mut hostile: Vec<(&str, Box<dyn Fn(&Path)>)> = vec![
+    let mut hostile: Vec<(&str, Make)> = vec![
         ("truncated", text(b"(view: (stage: Grids, ")),
         ("no RON", text(b"\0\0\0\0")),
         ("another type", text(b"[1, 2]")),

@@ -52,10 +52,14 @@ impl Slot {
         &self.path
     }
 
-    /// Removes the file and its lock. What is not there any more needs no removing, and what cannot be removed is
-    /// offered again.
+    /// Removes the file and its lock. What cannot be removed is offered again.
     pub fn remove(self) {
         let _ = fs::remove_file(&self.path);
+        self.remove_lock();
+    }
+
+    /// Removes the lock alone, once the file has another name. Left behind, it would be in nobody's way.
+    pub fn remove_lock(self) {
         let _ = fs::remove_file(lock_of(&self.path));
     }
 }
