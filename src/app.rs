@@ -21,6 +21,7 @@ pub mod frame_cost;
 mod glyphs;
 mod grids;
 mod history;
+mod home;
 mod inspect;
 mod inspector;
 mod lab;
@@ -34,6 +35,7 @@ mod mesh;
 mod pareto;
 mod perform;
 mod plots;
+mod recovery;
 mod settings;
 mod space;
 mod sprites;
@@ -50,6 +52,7 @@ use std::path::PathBuf;
 
 pub use command::Command;
 pub use errors::Run;
+pub use home::Home;
 pub use lab::Lab;
 pub use look::{Cloud, Layer, Light, Shown};
 pub use settings::Settings;
@@ -59,26 +62,28 @@ use crate::scene::Preset;
 
 /// The name by which desktops know the window, and the folder where it keeps its settings.
 const APP_ID: &str = "lpv-lab";
-/// Where settings are kept among what eframe stores.
-const SETTINGS: &str = "settings";
 
 /// Opens the window on a preset, with its file if it has one, and comes back when it is closed. An error
 /// means that there was no window: no display, or no graphics.
 pub fn run(preset: Preset, path: Option<PathBuf>) -> Result<(), eframe::Error> {
+    let (home, settings) = eframe::storage_dir(APP_ID).map(|folder| Home::open(&folder)).unzip();
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_app_id(APP_ID)
             .with_title("lpv-lab")
             .with_inner_size([1280.0, 720.0])
             .with_min_inner_size([900.0, 560.0]),
+        persistence_path: home.as_ref().map(Home::layout),
         ..Default::default()
     };
     eframe::run_native(
         APP_ID,
         options,
         Box::new(move |creation| {
-            let stored = creation.storage.and_then(|storage| eframe::get_value(storage, SETTINGS));
-            let lab = Lab::new(&creation.egui_ctx, preset, path, stored.unwrap_or_default())?;
+            let mut lab = Lab::new(&creation.egui_ctx, preset, path, settings.unwrap_or_default())?;
+            if let Some(home) = home {
+                lab.move_in(home);
+            }
             Ok(Box::new(Shell(lab)))
         }),
     )
@@ -96,7 +101,7 @@ impl eframe::App for Shell {
         self.0.ui(ui);
     }
 
-    fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        eframe::set_value(storage, SETTINGS, self.0.settings());
+    fn save(&mut self, _storage: &mut dyn eframe::Storage) {
+        self.0.keep_settings();
     }
 }

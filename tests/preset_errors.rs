@@ -2,6 +2,9 @@
 //! its place and what would be right; and nothing that a file may hold makes the reader panic or hang.
 #![allow(clippy::expect_used)]
 
+#[cfg(unix)]
+mod unprivileged;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -178,15 +181,15 @@ fn pipes_and_devices_are_refused_without_being_opened() {
 #[test]
 fn a_file_without_permission_is_refused() {
     use std::os::unix::fs::PermissionsExt;
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("p.ron");
-    fs::write(&path, "(version: 1)").expect("writable");
-    fs::set_permissions(&path, fs::Permissions::from_mode(0o000)).expect("changeable");
-    // The superuser reads everything: then there is nothing to refuse.
-    if fs::File::open(&path).is_err() {
+    unprivileged::check("a_file_without_permission_is_refused", || {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("p.ron");
+        fs::write(&path, "(version: 1)").expect("writable");
+        assert!(Preset::load(&path).is_ok());
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o000)).expect("changeable");
         let line = Preset::load(&path).expect_err("no permission").to_string();
         assert!(line.contains("p.ron: permission denied; "), "{line}");
-    }
+    });
 }
 
 #[test]

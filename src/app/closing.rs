@@ -14,6 +14,8 @@ pub enum Next {
     Open(PathBuf),
     /// Open a built-in preset.
     BuiltIn(String),
+    /// Open the unsaved work that another window left.
+    Recover,
     /// Close the window.
     Close,
 }
@@ -32,8 +34,10 @@ impl Lab {
         match next {
             Next::Open(path) => self.open(&path),
             Next::BuiltIn(name) => self.open_built_in(&name),
+            Next::Recover => self.recover(),
             Next::Close => {
                 self.discard = true;
+                self.give_up_unsaved();
                 ctx.send_viewport_cmd(ViewportCommand::Close);
             }
         }

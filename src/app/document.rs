@@ -15,7 +15,8 @@ pub struct Document {
     path: Option<PathBuf>,
     /// A name for it where it has no file.
     name: String,
-    saved: Preset,
+    /// The preset as its file has it; `None` where that is not known.
+    saved: Option<Preset>,
     undoer: Undoer<Preset>,
 }
 
@@ -32,12 +33,17 @@ impl Document {
         Ok(Document::named(Preset::parse(text, Path::new(name))?, None, name.to_owned()))
     }
 
+    /// Edits that were never saved.
+    pub fn unsaved(preset: Preset, path: Option<PathBuf>, name: String) -> Self {
+        Document { saved: None, ..Document::named(preset, path, name) }
+    }
+
     fn named(preset: Preset, path: Option<PathBuf>, name: String) -> Self {
         // An edit is a step of its own as soon as the hand rests.
         let settings = Settings { stable_time: 0.4, ..Settings::default() };
         let mut undoer = Undoer::with_settings(settings);
         undoer.add_undo(&preset);
-        Document { saved: preset.clone(), preset, path, name, undoer }
+        Document { saved: Some(preset.clone()), preset, path, name, undoer }
     }
 
     /// Its file, if it has one.
@@ -62,7 +68,7 @@ impl Document {
 
     /// Whether closing it would lose nothing.
     pub fn is_saved(&self) -> bool {
-        self.preset == self.saved
+        self.saved.as_ref() == Some(&self.preset)
     }
 
     /// Writes it to its file, or to `path` and makes that its file.
@@ -70,7 +76,7 @@ impl Document {
         let Some(path) = path.or_else(|| self.path.clone()) else { return Ok(()) };
         self.preset.save(&path)?;
         self.path = Some(path);
-        self.saved = self.preset.clone();
+        self.saved = Some(self.preset.clone());
         Ok(())
     }
 

@@ -14,9 +14,11 @@ use super::errors::Run;
 use super::files::Files;
 use super::glyphs::Scales;
 use super::grids::{Grids, Pointed};
+use super::home::Home;
 use super::line::Profiles;
 use super::look::{Cloud, Look, Pin, PinSample, Shown};
 use super::pareto::Pareto;
+use super::recovery::Recovery;
 use super::settings::Settings;
 use super::space::Space;
 use super::style;
@@ -42,6 +44,10 @@ pub struct Lab {
     pub(super) worker: Worker,
     pub(super) settings: Settings,
     pub(super) document: Document,
+    /// Where settings are kept, if they are.
+    pub(super) home: Option<Home>,
+    /// Where unsaved work is kept, if it is.
+    pub(super) recovery: Option<Recovery>,
     /// What the present results were made from.
     pub(super) ran: Preset,
     /// What ran beside the preset's own propagator.
@@ -106,6 +112,8 @@ impl Lab {
             settings,
             ran: preset.clone(),
             document: Document::new(preset, path),
+            home: None,
+            recovery: None,
             scene: None,
             truth: Truth::default(),
             profiles: Profiles::default(),

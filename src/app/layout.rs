@@ -20,6 +20,7 @@ impl Lab {
         let ctx = ui.ctx().clone();
         self.name_window(&ctx);
         Panel::top("menu").show(ui, |ui| self.menu(ui));
+        self.offer(ui);
         Panel::top("actions").show(ui, |ui| toolbar::actions(self, ui));
         Panel::bottom("foot").show(ui, |ui| self.foot(ui));
         Panel::left("scene").default_size(290.0).size_range(230.0..=480.0).show(ui, |ui| self.scene(ui));

@@ -35,6 +35,7 @@ impl Lab {
         if self.document.note(now) {
             ctx.request_repaint_after_secs(0.25);
         }
+        self.keep_unsaved(ctx, now);
         if self.settings.rerun && self.is_stale() && self.is_idle() && self.document.preset.check().is_ok() {
             self.perform(Command::Rerun, ctx);
         }

@@ -5,6 +5,7 @@ use egui::{DragValue, Slider, Ui};
 use super::command::Command;
 use super::controls::name;
 use super::lab::Lab;
+use super::settings::PAST;
 use super::toolbar;
 
 /// The timeline and the memory that it takes.
@@ -28,7 +29,7 @@ pub fn ui(lab: &mut Lab, ui: &mut Ui) {
         toolbar::button(lab, ui, Command::Restart);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let mut mib = lab.settings.past_mib;
-            let field = DragValue::new(&mut mib).range(1..=65_536).speed(4.0).suffix(" MiB");
+            let field = DragValue::new(&mut mib).range(PAST).speed(4.0).suffix(" MiB");
             let field = ui
                 .add(field)
                 .on_hover_text("The memory that past iterations may take; what does not fit is computed again");

@@ -6,6 +6,7 @@ use super::command::Command;
 use super::controls::name;
 use super::lab::Lab;
 use super::look::Layer;
+use super::settings::{DECADES, FULL, PACE};
 use super::view::{Heat, Scaling, Stage, hue_name, paint_name};
 use crate::report::colour::Paint;
 use crate::report::glyph::Hue;
@@ -36,7 +37,7 @@ pub fn actions(lab: &mut Lab, ui: &mut Ui) {
         button(lab, ui, Command::RunAll);
         let play = if lab.is_playing() { "⏸ Pause" } else { "▶ Play" };
         named_button(lab, ui, Command::Play, play);
-        let pace = DragValue::new(&mut lab.settings.pace).range(0.2..=60.0).speed(0.1).max_decimals(1).suffix(" /s");
+        let pace = DragValue::new(&mut lab.settings.pace).range(PACE).speed(0.1).max_decimals(1).suffix(" /s");
         name(&ui.add(pace).on_hover_text("Iterations a second while playing"), "Pace");
         named_button(lab, ui, Command::Stop, "⏹ Stop");
         ui.separator();
@@ -101,14 +102,13 @@ fn scale(ui: &mut Ui, view: &mut super::view::View) {
         }
     });
     if view.scaling == Scaling::Log {
-        let decades =
-            DragValue::new(&mut view.decades).range(0.5..=12.0).speed(0.05).suffix(" decades").max_decimals(1);
+        let decades = DragValue::new(&mut view.decades).range(DECADES).speed(0.05).suffix(" decades").max_decimals(1);
         name(&ui.add(decades).on_hover_text("Powers of ten from a full glyph to none"), "Decades");
     }
     if view.scaling != Scaling::PerGlyph {
         ui.checkbox(&mut view.fit, "Fit").on_hover_text("The brightest glyph fills its cell");
         if !view.fit {
-            let full = DragValue::new(&mut view.full).range(1e-9..=1e9).speed(0.002).max_decimals(6);
+            let full = DragValue::new(&mut view.full).range(FULL).speed(0.002).max_decimals(6);
             name(&ui.add(full).on_hover_text("The intensity that fills a cell, per steradian"), "Full intensity");
         }
     }

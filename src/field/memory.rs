@@ -1,5 +1,9 @@
 //! What light takes of the machine's memory, and what the machine has left.
 
+mod control_group;
+
+use std::path::Path;
+
 use super::grid::Layout;
 use super::octree::Levels;
 
@@ -16,10 +20,16 @@ pub fn of_grid<T>(n: usize) -> u64 {
     4 * Layout::new(n).plane_len() as u64 * size_of::<T>() as u64
 }
 
-/// Bytes that can be taken before the machine runs out, as Linux estimates them; `None` where that is not
-/// known.
+/// Bytes that can be taken before the machine runs out, as Linux estimates them, or the container or service that
+/// the program runs in; `None` where neither is known.
 pub fn free() -> Option<u64> {
-    available(&std::fs::read_to_string("/proc/meminfo").ok()?)
+    free_under(Path::new("/"))
+}
+
+/// The same, with the system's files under `root`.
+fn free_under(root: &Path) -> Option<u64> {
+    let of_machine = std::fs::read_to_string(root.join("proc/meminfo")).ok().and_then(|text| available(&text));
+    [of_machine, control_group::left(root)].into_iter().flatten().min()
 }
 
 /// The line `MemAvailable:  123 kB` of /proc/meminfo.
@@ -62,6 +72,25 @@ mod tests {
         let words = in_words(of_simulation::<f32>(sizes, 1));
         let told: f64 = words.strip_suffix(" GiB").unwrap().parse().unwrap();
         assert!(told > least && told < 1.1 * least, "{words}");
+    }
+
+    #[test]
+    fn the_machine_and_its_groups_are_asked_and_the_least_counts() {
+        let root = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| {
+            let path = root.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+        };
+        assert_eq!(free_under(root.path()), None);
+        write("proc/meminfo", "MemAvailable: 8 kB\n");
+        assert_eq!(free_under(root.path()), Some(8192));
+        write("proc/self/cgroup", "0::/\n");
+        write("sys/fs/cgroup/memory.current", "1000\n");
+        for (limit, free) in [("max", 8192), ("100000", 8192), ("5000", 4000), ("500", 0)] {
+            write("sys/fs/cgroup/memory.max", limit);
+            assert_eq!(free_under(root.path()), Some(free), "{limit}");
+        }
     }
 
     #[test]

@@ -5,18 +5,30 @@ use std::path::Path;
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use lpv_lab::app::{Lab, Settings};
+use lpv_lab::app::{Home, Lab, Settings};
 use lpv_lab::scene::Preset;
 
 pub type Window = Harness<'static, Option<Lab>>;
 
 /// A window on a preset, with its injected light on screen.
 pub fn window(preset: &str) -> Window {
+    start(preset, Settings::default(), None)
+}
+
+/// The same, with settings and unsaved work kept in `folder`.
+pub fn window_in(folder: &Path, preset: &str) -> Window {
+    let (home, settings) = Home::open(folder);
+    start(preset, settings, Some(home))
+}
+
+fn start(preset: &str, settings: Settings, mut home: Option<Home>) -> Window {
     let preset = Preset::parse(preset, Path::new("test")).unwrap();
     let mut harness = Harness::builder().with_size([1280.0, 720.0]).with_max_steps(60).build_ui_state(
         move |ui, lab: &mut Option<Lab>| {
             let lab = lab.get_or_insert_with(|| {
-                Lab::new(ui.ctx(), preset.clone(), None, Settings::default()).expect("a thread")
+                let mut lab = Lab::new(ui.ctx(), preset.clone(), None, settings.clone()).expect("a thread");
+                home.take().into_iter().for_each(|home| lab.move_in(home));
+                lab
             });
             lab.logic(&ui.ctx().clone());
             lab.ui(ui);

@@ -7,6 +7,11 @@ mod driver;
 mod drops;
 mod exports;
 mod plots;
+mod recovery;
+mod settings;
+#[cfg(unix)]
+#[path = "../unprivileged/mod.rs"]
+mod unprivileged;
 
 use driver::*;
 use egui_kittest::kittest::{NodeT, Queryable};
