@@ -16,7 +16,7 @@ use crate::sh::Real;
 const SERIAL_BELOW: usize = 20_000;
 
 /// Pieces of work a thread, so that one that was late does not keep the others waiting.
-const PIECES: usize = 4;
+const PIECES: usize = 8;
 
 /// In how many pieces an iteration that visits so many `cells` is best cut.
 pub fn pieces(threads: usize, cells: usize) -> usize {
