@@ -15,7 +15,7 @@
 //! **The solver.** Iterating multiplies the error by P·P a sweep. Here each sweep goes 1/(1 − λ) times as far,
 //! which makes nothing of waves that P·P multiplies by λ: after some sweeps the error is multiplied by a
 //! polynomial of P·P that is 1 at 1 and has the zeros λ, and those lie where the waves of P·P are
-//! ([`roots`]). It needs no sum over the volume but the residual, no vector but x, and in the first sweeps
+//! (`roots`). It needs no sum over the volume but the residual, no vector but x, and in the first sweeps
 //! only the rows that light has reached. Of what was tried (n = 32, p = 3.8, from one wall and from one lobe;
 //! in sweeps to a residual of 1e-4) plain iteration takes 115 and 105, multigrid on the octree with the operators
 //! of consistent levels 17 and 17 with its transfers not counted, truncated GCR 18 and 18, each with
