@@ -63,7 +63,6 @@ impl Lab {
         let Some(offer) = self.recovery.as_ref().and_then(|recovery| recovery.offer(SystemTime::now())) else { return };
         Panel::top("recovery").show(ui, |ui| {
             ui.horizontal_wrapped(|ui| {
-                ui.label(RichText::new(offer).color(ui.visuals().warn_fg_color));
                 if ui.button("Recover").on_hover_text("Open it, to be looked at and saved").clicked() {
                     self.ask_to_lose(Next::Recover, ui.ctx());
                 }
@@ -72,6 +71,8 @@ impl Lab {
                 {
                     recovery.discard();
                 }
+                // Behind the buttons, so that these stay where they are while the work grows older.
+                ui.label(RichText::new(offer).color(ui.visuals().warn_fg_color));
             });
         });
     }
