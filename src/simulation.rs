@@ -32,7 +32,7 @@ use ceiling::Ceiling;
 pub use ceiling::{Divergence, limit};
 
 use crate::field::{Channels, Grid, IndexVolume, Levels, Marks, Octree, memory};
-use crate::propagate::kernel::occluded::{Occluders, Which};
+use crate::propagate::kernel::occluded::Which;
 use crate::propagate::kernel::plain;
 use crate::propagate::levels::{self, Policy};
 use crate::propagate::scheme::Scheme;
@@ -389,14 +389,14 @@ impl<T: Real> Simulation<T> {
 
 /// One iteration of one level. Where albedos have colours each channel is one; where not, any colour will do.
 fn step<T: Real>(
-    occluders: Option<&Occluders<T>>,
+    acting: Option<&Obstacles<T>>,
     stencil: &Stencil<T>,
     which: Which,
     source: &Grid<T>,
     target: &mut Grid<T>,
 ) {
-    match occluders {
-        Some(occluders) => occluders.propagate(stencil, which, source, target),
+    match acting {
+        Some(Obstacles { occluders, .. }) => occluders.propagate(stencil, which, source, target),
         None => plain::propagate(stencil, source, target),
     }
 }

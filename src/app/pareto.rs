@@ -21,12 +21,10 @@ use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot as PaperPlot};
 use crate::scene::Scene;
 use crate::study::ballistic::Ballistic;
-use crate::study::pareto::{Row, front, measure_against};
+use crate::study::pareto::{Row, front, measure, measure_against};
 
 /// Rounds over all ways; medians are shown.
 const ROUNDS: usize = 3;
-/// The share of the work that what truly arrives is reckoned as, where it is not known yet.
-const TRUTH_SHARE: f64 = 0.3;
 /// The ways to treat levels, and the marks that tell them apart.
 const LEVELS: [(&str, MarkerShape, &str); 4] = [
     ("uniform", MarkerShape::Circle, "⏺ finest level alone"),
@@ -84,18 +82,13 @@ fn start(
     ctx: &Context,
 ) -> std::io::Result<Errand<Vec<Row>>> {
     Errand::start("run time against error", ctx, move |watch| {
-        let off = || "the measurement was called off".to_owned();
-        let first = if known.is_some() { 0.0 } else { TRUTH_SHARE };
-        let truth = match known {
-            Some(truth) => truth,
-            None => {
-                let found = Ballistic::new(&scene, &|share| watch.go_on(share * first));
-                Arc::new(found.map_err(|error| error.to_string())?.ok_or_else(off)?)
-            }
+        let go_on = |share| watch.go_on(share);
+        let rows = match known {
+            Some(truth) => measure_against(&title, &scene, &truth, ROUNDS, &go_on),
+            None => measure(&title, &scene, ROUNDS, &go_on),
         };
-        let go_on = |share| watch.go_on(first + share * (1.0 - first));
-        let rows = measure_against(&title, &scene, &truth, ROUNDS, &go_on).map_err(|error| error.to_string())?;
-        rows.ok_or_else(off)
+        let rows = rows.map_err(|error| error.to_string())?;
+        rows.ok_or_else(|| "the measurement was called off".to_owned())
     })
 }
 

@@ -109,12 +109,11 @@ impl<T: Real> Simulation<T> {
     /// One iteration by the definition.
     fn plainly(&mut self) {
         let keep_source = self.iteration == 0 && self.scene.propagation.snapshots == Snapshots::CopyFirst;
-        let occluders =
-            self.obstacles.as_ref().filter(|o| o.act_in(self.iteration + 1)).map(|obstacles| &obstacles.occluders);
+        let acting = self.obstacles.as_ref().and_then(|obstacles| obstacles.acting(self.iteration + 1));
         for (colour, light) in self.lights.iter_mut().enumerate() {
             for (i, stencil) in self.stencils.iter().enumerate() {
                 let (source, target) = (light.source.level(i), light.target.level_mut(i));
-                step(occluders, stencil, Which { level: i, colour }, source, target);
+                step(acting, stencil, Which { level: i, colour }, source, target);
                 if keep_source {
                     target.add_grid(source);
                 }

@@ -20,13 +20,13 @@ impl<T: Real> Simulation<T> {
         for (colour, Light { source, accumulated, .. }) in self.lights.iter_mut().enumerate() {
             for i in 1..self.sizes.count() {
                 // Each level has gone a step further than the one before.
-                let occluders = self.obstacles.as_ref().filter(|o| o.act_in(self.iteration + i)).map(|o| &o.occluders);
+                let acting = self.obstacles.as_ref().and_then(|obstacles| obstacles.acting(self.iteration + i));
                 let moved = match &self.engine.forms[i - 1] {
-                    Some(form) if occluders.is_none() => once(form, source.level(i - 1).clone()),
+                    Some(form) if acting.is_none() => once(form, source.level(i - 1).clone()),
                     _ => {
                         let mut moved = Grid::new(self.sizes.side(i - 1));
                         let which = Which { level: i - 1, colour };
-                        step(occluders, &self.stencils[i - 1], which, source.level(i - 1), &mut moved);
+                        step(acting, &self.stencils[i - 1], which, source.level(i - 1), &mut moved);
                         moved
                     }
                 };

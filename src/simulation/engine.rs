@@ -186,7 +186,7 @@ impl<'a, T: Real> Stage<'a, T> {
 
     /// The occluders that act in an iteration, counted from 1.
     fn among(&self, iteration: usize) -> Option<Among<'a, T>> {
-        let obstacles = self.obstacles.filter(|obstacles| obstacles.act_in(iteration))?;
+        let obstacles = self.obstacles?.acting(iteration)?;
         let touched = &obstacles.touched[self.which.level];
         Some(Among { occluders: &obstacles.occluders, which: self.which, touched, stencil: self.stencil })
     }

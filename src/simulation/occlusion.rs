@@ -52,9 +52,9 @@ impl<T: Real> Obstacles<T> {
         Some(Obstacles { occluders, from_iteration, touched })
     }
 
-    /// Whether they act in an iteration, counted from 1.
-    pub(super) fn act_in(&self, iteration: usize) -> bool {
-        iteration >= self.from_iteration
+    /// Itself, if they act in an iteration, counted from 1.
+    pub(super) fn acting(&self, iteration: usize) -> Option<&Self> {
+        (iteration >= self.from_iteration).then_some(self)
     }
 }
 

@@ -40,10 +40,8 @@ pub(super) struct Around<T> {
 
 impl<T: Real> Fuzzy<T> {
     /// Whether a blocker lies at one of the cell's eight corners.
-    pub(super) fn touches(&self, level: usize, [x, y, z]: Cell) -> bool {
-        corners()
-            .filter(|low| x >= low[0] && y >= low[1] && z >= low[2])
-            .any(|low| !self.geometry.lobe(level, [x - low[0], y - low[1], z - low[2]]).is_zero())
+    pub(super) fn touches(&self, level: usize, cell: Cell) -> bool {
+        corners(cell).any(|(_, at)| !self.geometry.lobe(level, at).is_zero())
     }
 
     /// The blockers around a cell of a level, for light in each of [`Direction::ALL`].
@@ -94,18 +92,19 @@ impl<T: Real> Fuzzy<T> {
     }
 }
 
-/// The mean of what the four corners of `cell` on the side of `side` hold. Corner g is shared by the cells g
-/// and g + (1, 1, 1); corners outside the grid count as empty.
-fn mean<T: Real>([x, y, z]: Cell, side: Direction, value: impl Fn(Cell) -> Sh<T>) -> Sh<T> {
-    let on_side = corners().filter(|low| (low[side.axis()] == 0) == side.is_positive());
-    let sum: Sh<T> = on_side
-        .filter(|low| x >= low[0] && y >= low[1] && z >= low[2])
-        .map(|low| value([x - low[0], y - low[1], z - low[2]]))
-        .sum();
+/// The mean of what the four corners of `cell` on the side of `side` hold; those outside the grid count as
+/// empty.
+fn mean<T: Real>(cell: Cell, side: Direction, value: impl Fn(Cell) -> Sh<T>) -> Sh<T> {
+    let on_side = corners(cell).filter(|(low, _)| (low[side.axis()] == 0) == side.is_positive());
+    let sum: Sh<T> = on_side.map(|(_, at)| value(at)).sum();
     sum * T::of(0.25)
 }
 
-/// The corners of a cell: 0 where the cell's own blocker lies, 1 where its lower neighbour's does.
-fn corners() -> impl Iterator<Item = Cell> {
-    (0..8).map(|bits| [bits & 1, bits >> 1 & 1, bits >> 2])
+/// The corners of a cell that lie in the grid: by axis whether it is the lower one (1) or the upper (0), and
+/// the cell whose blocker lies there. Corner g is shared by the cells g and g + (1, 1, 1).
+fn corners([x, y, z]: Cell) -> impl Iterator<Item = ([usize; 3], Cell)> {
+    (0..8)
+        .map(|bits| [bits & 1, bits >> 1 & 1, bits >> 2])
+        .filter(move |low| x >= low[0] && y >= low[1] && z >= low[2])
+        .map(move |low| (low, [x - low[0], y - low[1], z - low[2]]))
 }

@@ -14,7 +14,7 @@ use crate::sh::Real;
 /// Cells computed at a time: an AVX-512 register of f32, two of AVX2, four of SSE or NEON.
 const LANES: usize = 16;
 
-/// The most rows that are computed as one stretch.
+/// The most rows that are computed together.
 const MOST_TOGETHER: usize = 16;
 
 /// The instruction set to compute with. All give the same bits.
