@@ -17,6 +17,8 @@ use std::path::PathBuf;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
+use crate::propagate::kernel::team;
+
 pub use bench::BenchArgs;
 pub use load::{SceneArgs, open};
 pub use run::RunArgs;
@@ -125,13 +127,13 @@ pub fn in_one_line(error: &clap::Error) -> String {
 /// Does a headless command.
 pub fn execute(command: Command) -> Result<(), CliError> {
     match command {
-        Command::Run(args) => run::run(&args),
-        Command::Cells(args) => cells::run(&args),
-        Command::Compare(args) => compare::run(&args),
+        Command::Run(args) => team::inside(|| run::run(&args)),
+        Command::Cells(args) => team::inside(|| cells::run(&args)),
+        Command::Compare(args) => team::inside(|| compare::run(&args)),
         Command::Bench(args) => bench::run(&args),
         Command::Schemes(args) => schemes::run(&args),
         Command::Presets(args) => presets::run(&args),
-        Command::Stability(args) => stability::run(&args),
+        Command::Stability(args) => team::inside(|| stability::run(&args)),
         Command::Completions { shell } => {
             clap_complete::generate(shell, &mut Cli::command(), "lpv-lab", &mut std::io::stdout());
             Ok(())

@@ -46,13 +46,13 @@ fn at_once(scene: &Scene, options: Options, wanted: Wanted) -> Simulation<f32> {
 const STRAIGHT: Options = Options {
     kernel: Kernel::Fast,
     instructions: Instructions::Baseline,
-    threads: Some(1),
     blocked: false,
     skip: Skip { channels: true, ..Skip::NOTHING },
     tolerance: None,
 };
 
-fn ways() -> Vec<Options> {
+/// Options, and how many threads carry them out.
+fn ways() -> Vec<(usize, Options)> {
     let skips = [
         Skip::default(),
         Skip { reach: false, ..Skip::default() },
@@ -60,14 +60,15 @@ fn ways() -> Vec<Options> {
         Skip { channels: true, ..Skip::NOTHING },
     ];
     let ways = skips.into_iter().flat_map(|skip| {
-        [(Some(1), true), (Some(2), false), (None, true)].map(|(threads, blocked)| Options {
-            threads,
-            blocked,
-            skip,
-            ..Options::default()
-        })
+        [(1, true), (2, false), (3, true)]
+            .map(|(threads, blocked)| (threads, Options { blocked, skip, ..Options::default() }))
     });
     ways.collect()
+}
+
+/// Does the work on so many threads.
+fn on<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
 }
 
 #[test]
@@ -76,11 +77,12 @@ fn every_way_leaves_the_same_light_on_all_levels() {
         for levels in Policy::ALL {
             let mut scene = preset(name);
             scene.propagation.levels = levels;
-            let straight = stepped(&scene, STRAIGHT);
-            for options in ways() {
-                for found in [stepped(&scene, options), at_once(&scene, options, Wanted::Everything)] {
-                    assert!(found.lights() == straight.lights(), "{name}, {options:?}");
-                    assert!(found.index() == straight.index(), "{name}, {options:?}");
+            let straight = on(1, || stepped(&scene, STRAIGHT));
+            for (threads, options) in ways() {
+                let both = || [stepped(&scene, options), at_once(&scene, options, Wanted::Everything)];
+                for found in on(threads, both) {
+                    assert!(found.lights() == straight.lights(), "{name}, {threads} threads, {options:?}");
+                    assert!(found.index() == straight.index(), "{name}, {threads} threads, {options:?}");
                 }
             }
         }
@@ -93,11 +95,11 @@ fn where_only_the_merged_light_is_wanted_it_is_the_same() {
         for iterations in [1, 4, 16, 31] {
             let mut scene = preset(name);
             scene.propagation.iterations = iterations;
-            let straight = stepped(&scene, STRAIGHT);
-            for options in ways() {
-                let found = at_once(&scene, options, Wanted::Merged);
+            let straight = on(1, || stepped(&scene, STRAIGHT));
+            for (threads, options) in ways() {
+                let found = on(threads, || at_once(&scene, options, Wanted::Merged));
                 for (found, wanted) in found.lights().iter().zip(straight.lights()) {
-                    assert!(found.merged == wanted.merged, "{name}, k = {iterations}, {options:?}");
+                    assert!(found.merged == wanted.merged, "{name}, k = {iterations}, {threads} threads, {options:?}");
                 }
             }
         }

@@ -157,13 +157,14 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// Starts the thread; `wake` is called after each of its news.
+    /// Starts the thread, one of a pool of its own so that the others can help it at once; `wake` is called after
+    /// each of its news.
     pub fn start(budget: usize, wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
         let (orders, inbox) = channel();
         let (outbox, news) = channel();
-        std::thread::Builder::new().name("worker".to_owned()).spawn(move || {
-            desk::Desk::new(inbox, outbox, Arc::new(wake), budget).work();
-        })?;
+        let pool = rayon::ThreadPoolBuilder::new().thread_name(|i| format!("worker {i}")).build();
+        let pool = pool.map_err(std::io::Error::other)?;
+        pool.spawn(move || desk::Desk::new(inbox, outbox, Arc::new(wake), budget).work());
         Ok(Worker { orders, news, generation: 0 })
     }
 

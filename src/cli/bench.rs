@@ -9,6 +9,7 @@ use indicatif::ProgressBar;
 
 use super::output::Folder;
 use super::{CliError, SceneArgs};
+use crate::propagate::kernel::team;
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
 use crate::report::table::Table;
@@ -94,11 +95,11 @@ pub fn run(args: &BenchArgs) -> Result<(), CliError> {
     }
     let sizes = without_none(&args.converged);
     if !args.only_pareto && !sizes.is_empty() {
-        super::race::run(sizes, rounds, &folder)?;
+        team::inside(|| super::race::run(sizes, rounds, &folder))?;
     }
     let scenes = if args.only_converged { Vec::new() } else { scenes(args)? };
     if !scenes.is_empty() {
-        super::pareto::run(&scenes, rounds, &folder)?;
+        team::inside(|| super::pareto::run(&scenes, rounds, &folder))?;
     }
     println!("\n{}", folder.path().display());
     Ok(())
@@ -143,9 +144,9 @@ fn kernels(args: &BenchArgs, folder: &Folder) -> Result<(), CliError> {
     print!("{}", table.to_text());
     println!("\ntriad_fraction counts {} bytes a cell and iteration", benchmark::BYTES_PER_CELL);
     for threads in threads {
-        print_pipeline(&Pipeline::measure(threads, 101)?);
+        print_pipeline(&benchmark::on(threads, || Pipeline::measure(101))?);
     }
-    print_fading(&Fading::measure()?);
+    print_fading(&benchmark::on(1, Fading::measure)?);
     let mut csv = Vec::new();
     table.write_csv(&mut csv).map_err(|e| CliError::Failed(format!("kernels.csv: {e}")))?;
     folder.write("kernels.csv", csv)?;

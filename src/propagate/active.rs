@@ -6,44 +6,39 @@
 
 use crate::field::Marks;
 
-/// Words of the longest row there can be, 1024 cells.
-pub const MOST_WORDS: usize = 16;
+/// The words of one row, as many as [`Marks::words_per_row`]; the bits behind its end are zero.
+pub type Row<const W: usize> = [u64; W];
 
-/// The words of one row; those behind its end are zero.
-pub type Row = [u64; MOST_WORDS];
-
-/// The cells of row number `row` that may be lit an iteration later. `words` are whole slabs of an n³
+/// The cells of row number `row` that may be lit an iteration later. `rows` are whole slabs of an n³
 /// grid's [`Marks`]; outside them it is dark.
 #[inline(always)]
-pub fn reached(words: &[u64], n: usize, row: usize) -> Row {
-    let per_row = n.div_ceil(64);
-    let at = |row: usize| &words[row * per_row..(row + 1) * per_row];
-    let (here, y) = (at(row), row % n);
-    let mut reached = [0; MOST_WORDS];
-    for (w, reached) in reached[..per_row].iter_mut().enumerate() {
+pub fn reached<const W: usize>(rows: &[Row<W>], n: usize, row: usize) -> Row<W> {
+    let (here, y) = (&rows[row], row % n);
+    let mut reached = [0; W];
+    for (w, reached) in reached.iter_mut().enumerate() {
         let before = if w > 0 { here[w - 1] >> 63 } else { 0 };
-        let behind = if w + 1 < per_row { here[w + 1] << 63 } else { 0 };
+        let behind = if w + 1 < W { here[w + 1] << 63 } else { 0 };
         *reached = here[w] | here[w] << 1 | here[w] >> 1 | before | behind;
     }
-    let mut join = |other: &[u64]| {
+    let mut join = |other: &Row<W>| {
         for (reached, other) in reached.iter_mut().zip(other) {
             *reached |= other;
         }
     };
     if y > 0 {
-        join(at(row - 1));
+        join(&rows[row - 1]);
     }
     if y + 1 < n {
-        join(at(row + 1));
+        join(&rows[row + 1]);
     }
     if row >= n {
-        join(at(row - n));
+        join(&rows[row - n]);
     }
-    if (row + n) * per_row < words.len() {
-        join(at(row + n));
+    if let Some(behind) = rows.get(row + n) {
+        join(behind);
     }
     // The shift may have gone over the end of a short row.
-    reached[per_row - 1] &= row_mask(n);
+    reached[W - 1] &= row_mask(n);
     reached
 }
 
@@ -55,11 +50,21 @@ pub fn row_mask(n: usize) -> u64 {
 
 /// Where light may be one iteration later.
 pub fn grown(lit: &Marks) -> Marks {
+    match lit.words_per_row() {
+        1 => grown_by::<1>(lit),
+        2 => grown_by::<2>(lit),
+        4 => grown_by::<4>(lit),
+        8 => grown_by::<8>(lit),
+        _ => grown_by::<16>(lit),
+    }
+}
+
+fn grown_by<const W: usize>(lit: &Marks) -> Marks {
     let n = lit.side();
     let mut grown = Marks::new(n);
-    let per_row = lit.words_per_row();
-    for (row, words) in grown.words_mut().chunks_exact_mut(per_row).enumerate() {
-        words.copy_from_slice(&reached(lit.words(), n, row)[..per_row]);
+    let (rows, _) = lit.words().as_chunks::<W>();
+    for (row, words) in grown.words_mut().as_chunks_mut::<W>().0.iter_mut().enumerate() {
+        *words = reached(rows, n, row);
     }
     grown
 }

@@ -18,6 +18,7 @@ pub mod plain;
 mod row;
 mod slab;
 pub mod step;
+pub mod team;
 
 use crate::field::{Grid, Marks};
 use crate::sh::{Real, Sh};

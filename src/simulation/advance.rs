@@ -14,6 +14,7 @@ use super::{Action, Light, Simulation, step};
 use crate::field::{IndexVolume, Marks};
 use crate::propagate::active::grown;
 use crate::propagate::kernel::occluded::Which;
+use crate::propagate::kernel::team;
 use crate::scene::preset::Snapshots;
 use crate::sh::Real;
 
@@ -129,15 +130,13 @@ impl<T: Real> Simulation<T> {
         self.iteration += 1;
     }
 
+    /// Iterations by the fast loops, level by level.
     fn fast(&mut self, iterations: usize, wanted: Wanted) {
-        match self.engine.pool.clone() {
-            Some(pool) => pool.install(|| self.fast_here(iterations, wanted)),
-            None => self.fast_here(iterations, wanted),
-        }
+        team::inside(|| self.fast_inside(iterations, wanted));
     }
 
-    /// Iterations by the fast loops, level by level, on the threads that called.
-    fn fast_here(&mut self, iterations: usize, wanted: Wanted) {
+    fn fast_inside(&mut self, iterations: usize, wanted: Wanted) {
+        team::stay_awake();
         let looked = self.engine.known.take();
         let mut known = looked.unwrap_or_else(|| {
             let look = |light: &Light<T>| self.engine.look(&light.source, &light.accumulated, &self.index);

@@ -8,6 +8,8 @@
 
 use std::fmt;
 
+use multiversion::multiversion;
+
 use super::Light;
 use crate::field::{Grid, IndexVolume, Marks};
 use crate::propagate::stencil::Stencil;
@@ -132,22 +134,28 @@ impl Ceiling {
 
 /// The largest magnitude among all coefficients of a grid that is dark where `lit` has no bit.
 fn brightest<T: Real>(grid: &Grid<T>, lit: &Marks) -> f64 {
-    let n = grid.side();
-    let mut most = T::ZERO;
-    let rows = lit.words().chunks_exact(lit.words_per_row()).enumerate();
-    for (row, _) in rows.filter(|(_, words)| words.iter().any(|word| *word != 0)) {
-        let start = grid.layout().row_start(row % n, row / n);
-        for plane in grid.planes() {
-            // Lane by lane, so that it becomes vector code.
-            let (chunks, rest) = plane[start..start + n].as_chunks::<16>();
-            let mut lanes = [most; 16];
-            for chunk in chunks {
-                lanes.iter_mut().zip(chunk).for_each(|(lane, c)| *lane = c.abs().max(*lane));
-            }
-            most = lanes.iter().chain(rest).fold(most, |most, c| c.abs().max(most));
+    let (layout, n) = (grid.layout(), grid.side());
+    let slabs = lit.words().chunks_exact(lit.words_per_row() * n).enumerate();
+    let lit_slabs = slabs.filter(|(_, words)| words.iter().any(|word| *word != 0));
+    let of_slab = |z: usize| {
+        let start = layout.row_start(0, z);
+        grid.planes().each_ref().map(|plane| largest(&plane[start..start + n * layout.steps()[1]]))
+    };
+    lit_slabs.flat_map(|(z, _)| of_slab(z)).map(T::to_f64).fold(0.0, f64::max)
+}
+
+/// The largest magnitude; lane by lane, so that it becomes vector code.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
+fn largest<T: Real>(numbers: &[T]) -> T {
+    let larger = |a: T, b: T| if a > b { a } else { b };
+    let (chunks, rest) = numbers.as_chunks::<32>();
+    let mut lanes = [T::ZERO; 32];
+    for chunk in chunks {
+        for (lane, c) in lanes.iter_mut().zip(chunk) {
+            *lane = larger(c.abs(), *lane);
         }
     }
-    most.to_f64()
+    lanes.iter().chain(rest).fold(T::ZERO, |most, c| larger(c.abs(), most))
 }
 
 /// How many times the largest coefficient of the source the largest of the target can be: every flux is at most Σ|sampler|

@@ -1,9 +1,6 @@
 //! What the fast loops know about a simulation's light from one iteration to the next.
 
 use std::ops::Range;
-use std::sync::Arc;
-
-use rayon::ThreadPool;
 
 use super::Action;
 use super::occlusion::{Obstacles, accumulate};
@@ -21,8 +18,6 @@ use crate::sh::Real;
 #[derive(Clone, Debug)]
 pub(super) struct Engine<T> {
     pub(super) options: Options,
-    /// Threads of its own, where the options ask for a number.
-    pub(super) pool: Option<Arc<ThreadPool>>,
     /// By level; `None` where the stencil has another shape.
     pub(super) forms: Vec<Option<Form<T>>>,
     /// By channel and level; `None` after anything else has touched the light.
@@ -46,7 +41,7 @@ pub(super) struct Known {
 
 impl<T: Real> Engine<T> {
     pub(super) fn new(stencils: &[Stencil<T>], options: Options) -> Self {
-        let mut engine = Engine { options, pool: None, forms: Vec::new(), known: None, work: Work::default() };
+        let mut engine = Engine { options, forms: Vec::new(), known: None, work: Work::default() };
         engine.set_options(options);
         engine.set_stencils(stencils);
         engine
@@ -54,10 +49,6 @@ impl<T: Real> Engine<T> {
 
     pub(super) fn set_options(&mut self, options: Options) {
         self.options = options;
-        // If the system will not give us threads of our own, those that everybody shares will do.
-        self.pool = options
-            .threads
-            .and_then(|threads| rayon::ThreadPoolBuilder::new().num_threads(threads.max(1)).build().ok().map(Arc::new));
         self.known = None;
     }
 

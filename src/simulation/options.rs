@@ -3,15 +3,13 @@
 
 pub use crate::propagate::kernel::Instructions;
 
-/// How a simulation carries its iterations out.
+/// How a simulation carries its iterations out. It does so on the threads of the rayon pool that it is in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// The loops to use.
     pub kernel: Kernel,
     /// The instruction set of the fast loops.
     pub instructions: Instructions,
-    /// How many threads; `None` for as many as there are cores.
-    pub threads: Option<usize>,
     /// Whether several iterations may share one pass over memory where nobody looks in between.
     pub blocked: bool,
     /// What is left out because it cannot matter.
@@ -25,7 +23,6 @@ impl Default for Options {
         Options {
             kernel: Kernel::Fast,
             instructions: Instructions::Best,
-            threads: None,
             blocked: true,
             skip: Skip::default(),
             tolerance: None,

@@ -107,34 +107,49 @@ struct Series {
 /// Measures everything in the plan; `tell` hears what comes next.
 pub fn kernels(plan: &Plan, mut tell: impl FnMut(&str)) -> Result<Vec<KernelRow>, BenchmarkError> {
     let mut rows = Vec::new();
+    let pools = plan.threads.iter().map(|threads| pool(*threads)).collect::<Result<Vec<_>, _>>()?;
     for &size in &plan.sizes {
         let mut series: Vec<Series> = Vec::new();
         let mut bandwidth = vec![Vec::new(); plan.threads.len()];
         let (mut dense, mut triad) = (Dense::new(size), Triad::new());
         for round in 1..=plan.rounds {
-            for (&threads, bandwidth) in plan.threads.iter().zip(&mut bandwidth) {
-                tell(&format!("n = {size}, {threads} threads, round {round} of {}", plan.rounds));
-                let pool = pool(threads)?;
-                bandwidth.push(pool.install(|| triad.bandwidth()));
-                for scheme in scheme::all() {
-                    for which in loops(&scheme, threads) {
-                        let sample = pool.install(|| dense.sample(which, &scheme));
-                        if let Some(sample) = sample {
-                            let bytes = dense.bytes(which);
-                            keep(&mut series, (scheme.name, threads, which.name()), sample, bytes);
-                        }
-                    }
-                }
-                for case in skipping::CASES {
-                    let (sample, bytes) = case.sample(size, threads)?;
-                    keep(&mut series, ("cascaded", threads, case.name), sample, bytes);
-                }
+            for (pool, bandwidth) in pools.iter().zip(&mut bandwidth) {
+                tell(&format!("n = {size}, {} threads, round {round} of {}", pool.current_num_threads(), plan.rounds));
+                pool.install(|| {
+                    bandwidth.push(triad.bandwidth());
+                    once(size, &mut dense, &mut series)
+                })?;
             }
         }
         let bandwidth: Vec<f64> = bandwidth.iter_mut().map(|passes| median(passes)).collect();
         rows.extend(table(size, series, &plan.threads, &bandwidth));
     }
     Ok(rows)
+}
+
+/// Times everything once on the current threads.
+fn once(size: usize, dense: &mut Dense, series: &mut Vec<Series>) -> Result<(), BenchmarkError> {
+    let threads = rayon::current_num_threads();
+    for scheme in scheme::all() {
+        for which in loops(&scheme, threads) {
+            if let Some(sample) = dense.sample(which, &scheme) {
+                keep(series, (scheme.name, threads, which.name()), sample, dense.bytes(which));
+            }
+        }
+    }
+    for case in skipping::CASES {
+        let (sample, bytes) = case.sample(size)?;
+        keep(series, ("cascaded", threads, case.name), sample, bytes);
+    }
+    Ok(())
+}
+
+/// Does the work on so many threads.
+pub fn on<R: Send>(
+    threads: usize,
+    work: impl FnOnce() -> Result<R, BenchmarkError> + Send,
+) -> Result<R, BenchmarkError> {
+    pool(threads)?.install(work)
 }
 
 /// The loops that are worth timing for a scheme: the baseline is written for one scheme and one thread.

@@ -11,10 +11,9 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use super::carve::{Planes, Tied, cut_marks, runs, slab_of};
 use super::slab::{Work, advance};
+use super::team::share;
 use super::{Level, Order, Tally};
 use crate::field::{Layout, Marks};
 use crate::sh::Real;
@@ -104,11 +103,7 @@ impl<T: Real> Pass<'_, T> {
             .map(|(_, ((slabs, (a, b)), ((c, d), tied)))| Part { slabs, light: [a, b], lit: [c, d], tied })
             .collect();
         let run = |mut part: Part<'_, T>| self.wave(&mut part, &range);
-        let tallies: Vec<Tally> = match parts.len() {
-            1 => parts.into_iter().map(run).collect(),
-            _ => parts.into_par_iter().map(run).collect(),
-        };
-        tallies.into_iter().fold(Tally::NONE, Tally::and)
+        share(parts, run).into_iter().fold(Tally::NONE, Tally::and)
     }
 
     fn wave(&self, part: &mut Part<'_, T>, range: &impl Fn(&Range<usize>, usize) -> Range<usize>) -> Tally {

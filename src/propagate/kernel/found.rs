@@ -18,20 +18,32 @@ pub(super) struct Run {
 /// Marks the lit cells of a run. Only cells that light may have reached and that have no mark yet are
 /// looked at: few, behind a front that moves a cell an iteration.
 #[inline(always)]
-pub(super) fn mark<T: Real>([c, x, y, z]: [&[T]; 4], run: Run, lit: &Row, marks: &mut [u64]) {
-    let words = marks.iter_mut().zip(lit).enumerate().take(run.end.div_ceil(64)).skip(run.start / 64);
-    for (word, (marked, lit)) in words {
-        let (from, to) = (run.start.max(64 * word), run.end.min(64 * (word + 1)));
-        let all = (u64::MAX >> (64 - (to - from))) << (from % 64);
-        let mut open = lit & !*marked & all;
+pub(super) fn mark<T: Real, const L: usize, const W: usize>(
+    row: [&[T]; 4],
+    run: Run,
+    lit: &Row<W>,
+    marks: &mut Row<W>,
+) {
+    let [c, x, y, z] = row;
+    for at in (run.start..run.end).step_by(L) {
+        let mut open = chunk(lit[at / 64] & !marks[at / 64], at, L);
+        if open == 0 || is_dark::<T, L>(row, at) {
+            continue;
+        }
         while open != 0 {
             let bit = open.trailing_zeros() as usize;
-            let at = 64 * word + bit;
-            let is_lit = (c[at] != T::ZERO) | (x[at] != T::ZERO) | (y[at] != T::ZERO) | (z[at] != T::ZERO);
-            *marked |= u64::from(is_lit) << bit;
+            let i = at + bit;
+            let is_lit = (c[i] != T::ZERO) | (x[i] != T::ZERO) | (y[i] != T::ZERO) | (z[i] != T::ZERO);
+            marks[i / 64] |= u64::from(is_lit) << (i % 64);
             open &= open - 1;
         }
     }
+}
+
+/// The bits of the chunk of `lanes` cells that begins at cell `x`, out of its word.
+#[inline(always)]
+pub(super) fn chunk(word: u64, x: usize, lanes: usize) -> u64 {
+    (word >> (x % 64)) & (u64::MAX >> (64 - lanes))
 }
 
 /// Adds a run's numbers lane by lane, so that neither runs nor instruction sets change the sum.
@@ -79,32 +91,27 @@ pub(super) fn part<T>([c, x, y, z]: [&[T]; 4], from: usize, to: usize) -> [&[T];
 
 /// Takes the dark chunks at the ends of a run out of the bits.
 #[inline(always)]
-pub(super) fn drop_dark<T: Real, const L: usize>(row: [&[T]; 4], run: Run, lit: &mut Row) {
-    let chunks = (run.end - run.start) / L;
-    let [c, x, y, z] = part(row, run.start, run.end);
-    let row = [chunked::<T, L>(c, chunks), chunked(x, chunks), chunked(y, chunks), chunked(z, chunks)];
-    let mut drop = |k: usize| {
-        let x = run.start + k * L;
-        lit[x / 64] &= !((u64::MAX >> (64 - L)) << (x % 64));
-    };
-    let (mut first, mut end) = (0, chunks);
-    while first < end && is_dark(row, first) {
+pub(super) fn drop_dark<T: Real, const L: usize, const W: usize>(row: [&[T]; 4], run: Run, lit: &mut Row<W>) {
+    let mut drop = |x: usize| lit[x / 64] &= !(chunk(u64::MAX, 0, L) << (x % 64));
+    let (mut first, mut end) = (run.start, run.end);
+    while first < end && is_dark::<T, L>(row, first) {
         drop(first);
-        first += 1;
+        first += L;
     }
-    while first < end && is_dark(row, end - 1) {
-        end -= 1;
+    while first < end && is_dark::<T, L>(row, end - L) {
+        end -= L;
         drop(end);
     }
 }
 
-/// Looks at c00 first: where there is light it is hardly ever zero.
+/// Whether the chunk at cell `x` of a row is dark. Looks at c00 first: where there is light it is hardly
+/// ever zero.
 #[inline(always)]
-fn is_dark<T: Real, const L: usize>(planes: [&[[T; L]]; 4], k: usize) -> bool {
-    planes.iter().all(|plane| {
+fn is_dark<T: Real, const L: usize>(row: [&[T]; 4], x: usize) -> bool {
+    row.iter().all(|plane| {
         let mut lit = false;
-        for c in plane[k] {
-            lit |= c != T::ZERO;
+        for c in &plane[x..x + L] {
+            lit |= *c != T::ZERO;
         }
         !lit
     })

@@ -5,10 +5,10 @@ use std::ops::Range;
 
 use super::FLOOR;
 use super::form::Form;
-use super::found::{Run, add_up, drop_dark, mark, part, within_cone};
+use super::found::{Run, add_up, chunk, drop_dark, mark, part, within_cone};
 use super::row::{self, Job};
 use crate::field::Layout;
-use crate::propagate::active::{MOST_WORDS, Row, reached, row_mask};
+use crate::propagate::active::{Row, reached, row_mask};
 use crate::sh::Real;
 
 /// Cells computed at a time: an AVX-512 register of f32, two of AVX2, four of SSE or NEON.
@@ -104,35 +104,81 @@ pub(super) struct Work<'a, T> {
 
 /// Takes a slab one iteration further.
 pub(super) fn advance<T: Real>(work: Work<'_, T>, target: &mut Target<'_, T>) -> Tally {
-    if work.layout.side() < LANES { rows::<T, 1>(work, target) } else { rows::<T, LANES>(work, target) }
+    // Cells at a time, and words a row.
+    match work.layout.side() {
+        0..4 => rows::<T, 1, 1>(work, target),
+        4 => rows::<T, 4, 1>(work, target),
+        8 => rows::<T, 8, 1>(work, target),
+        16..=64 => rows::<T, LANES, 1>(work, target),
+        128 => rows::<T, LANES, 2>(work, target),
+        256 => rows::<T, LANES, 4>(work, target),
+        512 => rows::<T, LANES, 8>(work, target),
+        _ => rows::<T, LANES, 16>(work, target),
+    }
 }
 
-fn rows<T: Real, const L: usize>(work: Work<'_, T>, target: &mut Target<'_, T>) -> Tally {
+fn rows<T: Real, const L: usize, const W: usize>(work: Work<'_, T>, target: &mut Target<'_, T>) -> Tally {
     let Work { layout, source, z, need, .. } = work;
     let mut tally = Tally::NONE;
     if is_dark_around(source.lit, target.marks.len(), z) && target.lit.iter().all(|word| *word == 0) {
         return tally;
     }
     let (n, group) = (layout.side(), rows_together::<L>(layout));
-    let per_row = target.marks.len() / n;
+    if is_old_news(work, target) {
+        return throughout::<T, L, W>(work, target, group);
+    }
+    let (source_lit, need) = (source.lit.as_chunks().0, need.map(|need| need.as_chunks::<W>().0));
     for first in (0..n).step_by(group) {
-        let mut lit = [[0; MOST_WORDS]; MOST_TOGETHER];
+        let mut lit = [[0; W]; MOST_TOGETHER];
         let lit = &mut lit[..group];
         for (y, lit) in (first..).zip(&mut *lit) {
-            *lit = reached(source.lit, n, z * n + y);
+            *lit = reached(source_lit, n, z * n + y);
             if let Some(need) = need {
-                lit.iter_mut().zip(&need[y * per_row..(y + 1) * per_row]).for_each(|(lit, need)| *lit &= need);
+                lit.iter_mut().zip(&need[y]).for_each(|(lit, need)| *lit &= need);
             }
         }
         // Where some rows stay dark the others are better off alone.
-        let is_dense = lit.iter().all(|lit| lit[..per_row].iter().any(|word| *word != 0));
+        let is_dense = lit.iter().all(|lit| *lit != [0; W]);
         let mut first = first;
         for lit in lit.chunks_mut(if is_dense { group } else { 1 }) {
-            together::<T, L>(work, target, first, lit, &mut tally);
+            together::<T, L, W>(work, target, first, lit, &mut tally);
             first += lit.len();
         }
     }
     tally
+}
+
+/// Whether a slab was lit all over before and is marked all over, and nothing is asked: then only whether
+/// something goes dark is left to look at.
+#[inline(always)]
+fn is_old_news<T: Real>(Work { order, layout, source, z, need }: Work<'_, T>, target: &Target<'_, T>) -> bool {
+    let (words, all) = (target.marks.len(), row_mask(layout.side()));
+    let is_full = |words: &[u64]| words.iter().all(|word| *word == all);
+    let is_asked = order.energy || order.cone.is_some() || need.is_some();
+    !is_asked && is_full(&source.lit[z * words..(z + 1) * words]) && is_full(target.lit) && is_full(target.marks)
+}
+
+/// A slab that is lit and marked all over.
+#[inline(always)]
+fn throughout<T: Real, const L: usize, const W: usize>(
+    work: Work<'_, T>,
+    target: &mut Target<'_, T>,
+    group: usize,
+) -> Tally {
+    let Work { order, layout, .. } = work;
+    let (n, row) = (layout.side(), layout.steps()[1]);
+    let whole = Run { start: 0, end: n };
+    for first in (0..n).step_by(group) {
+        compute::<T, L>(work, target, first..first + group, whole);
+        for y in (first..first + group).filter(|_| order.drop_dark) {
+            let [c, ..] = &target.planes;
+            if c[y * row] == T::ZERO || c[y * row + n - 1] == T::ZERO {
+                let cells = part(target.planes.each_ref().map(|plane| &**plane), y * row, y * row + n);
+                drop_dark::<T, L, W>(cells, whole, &mut target.lit.as_chunks_mut().0[y]);
+            }
+        }
+    }
+    Tally { visited: n * n, ..Tally::NONE }
 }
 
 /// How many rows are computed together: so many that setting their loops up costs little, and so few that
@@ -150,45 +196,45 @@ fn rows_together<const L: usize>(layout: Layout) -> usize {
 
 /// Rows from `first` on, each with where it may be lit: every chunk of them in which one may be.
 #[inline(always)]
-fn together<T: Real, const L: usize>(
+fn together<T: Real, const L: usize, const W: usize>(
     work: Work<'_, T>,
     target: &mut Target<'_, T>,
     first: usize,
-    lit: &mut [Row],
+    lit: &mut [Row<W>],
     tally: &mut Tally,
 ) {
     let (layout, n) = (work.layout, work.layout.side());
-    let (per_row, rows) = (target.marks.len() / n, first..first + lit.len());
-    let (mut any, mut before): (Row, Row) = ([0; MOST_WORDS], [0; MOST_WORDS]);
-    for (y, lit) in rows.clone().zip(&*lit) {
-        any.iter_mut().zip(&lit[..per_row]).for_each(|(any, lit)| *any |= lit);
-        before.iter_mut().zip(&target.lit[y * per_row..(y + 1) * per_row]).for_each(|(before, lit)| *before |= lit);
+    let rows = first..first + lit.len();
+    let (mut any, mut before) = ([0; W], [0; W]);
+    for (lit, was_lit) in lit.iter().zip(&target.lit.as_chunks::<W>().0[rows.clone()]) {
+        any.iter_mut().zip(lit).for_each(|(any, lit)| *any |= lit);
+        before.iter_mut().zip(was_lit).for_each(|(before, lit)| *before |= lit);
     }
-    if any[..per_row].iter().chain(&before[..per_row]).all(|word| *word == 0) {
+    if any.iter().chain(&before).all(|word| *word == 0) {
         return;
     }
-    clear_between::<T, L>(target, layout, rows.clone(), &any, &before);
-    for run in runs::<L>(&any, n) {
+    clear_between::<T, L, W>(target, layout, rows.clone(), &any, &before);
+    for run in runs::<L, W>(&any, n) {
         compute::<T, L>(work, target, rows.clone(), run);
     }
     for (y, lit) in rows.zip(lit) {
         let mut lanes = [T::ZERO; L];
-        for run in runs::<L>(&any, n) {
+        for run in runs::<L, W>(&any, n) {
             tally.visited += run.end - run.start;
-            if !holds_no_news(work, target, y, run) {
-                look::<T, L>(work, target, y, run, (lit, &mut lanes), tally);
+            if !holds_no_news::<T, W>(work, target, y, run) {
+                look::<T, L, W>(work, target, y, run, (lit, &mut lanes), tally);
             }
         }
         if work.order.energy {
             tally.energy += lanes.iter().map(|lane| lane.to_f64()).sum::<f64>();
         }
-        target.lit[y * per_row..(y + 1) * per_row].copy_from_slice(&lit[..per_row]);
+        target.lit.as_chunks_mut().0[y] = *lit;
     }
 }
 
 /// The runs of chunks with any bit in them.
 #[inline(always)]
-fn runs<const L: usize>(lit: &Row, n: usize) -> impl Iterator<Item = Run> {
+fn runs<const L: usize, const W: usize>(lit: &Row<W>, n: usize) -> impl Iterator<Item = Run> {
     let is_lit = move |x: &usize| chunk(lit[*x / 64], *x, L) != 0;
     let mut from = 0;
     std::iter::from_fn(move || {
@@ -201,12 +247,12 @@ fn runs<const L: usize>(lit: &Row, n: usize) -> impl Iterator<Item = Run> {
 
 /// Clears what an older iteration has left in chunks that this one will not write.
 #[inline(always)]
-fn clear_between<T: Real, const L: usize>(
+fn clear_between<T: Real, const L: usize, const W: usize>(
     target: &mut Target<'_, T>,
     layout: Layout,
     rows: Range<usize>,
-    lit: &Row,
-    before: &Row,
+    lit: &Row<W>,
+    before: &Row<W>,
 ) {
     let is_left = |x: &usize| chunk(before[x / 64], *x, L) != 0 && chunk(lit[x / 64], *x, L) == 0;
     for x in (0..layout.side()).step_by(L).filter(is_left) {
@@ -221,15 +267,13 @@ fn clear_between<T: Real, const L: usize>(
 /// Whether there is nothing to be found in a run: nothing is asked, all its cells are marked, and its ends
 /// are lit.
 #[inline(always)]
-fn holds_no_news<T: Real>(work: Work<'_, T>, target: &Target<'_, T>, y: usize, run: Run) -> bool {
+fn holds_no_news<T: Real, const W: usize>(work: Work<'_, T>, target: &Target<'_, T>, y: usize, run: Run) -> bool {
     let Work { order, layout, .. } = work;
-    let (n, start) = (layout.side(), y * layout.steps()[1]);
-    let (per_row, [c, ..]) = (target.marks.len() / n, &target.planes);
+    let (n, start, [c, ..]) = (layout.side(), y * layout.steps()[1], &target.planes);
     let is_whole = run.end - run.start == n;
     let is_lit = !order.drop_dark || (c[start] != T::ZERO && c[start + n - 1] != T::ZERO);
     let is_asked = order.energy || order.cone.is_some();
-    let marks = &target.marks[y * per_row..(y + 1) * per_row];
-    is_whole && !is_asked && is_lit && marks.iter().all(|word| *word == row_mask(n))
+    is_whole && !is_asked && is_lit && target.marks.as_chunks().0[y] == [row_mask(n); W]
 }
 
 /// Makes the gaps between rows dark again: what a stretch of rows has written there is nobody's light.
@@ -249,18 +293,17 @@ fn clear_gaps<T: Real>(rows: &mut [T], n: usize, step: usize) {
 
 /// Looks at a run of row `y` that was just computed: marks its lit cells, and whatever else is asked for.
 #[inline(always)]
-fn look<T: Real, const L: usize>(
+fn look<T: Real, const L: usize, const W: usize>(
     Work { order, layout, .. }: Work<'_, T>,
     target: &mut Target<'_, T>,
     y: usize,
     run: Run,
-    (lit, lanes): (&mut Row, &mut [T; L]),
+    (lit, lanes): (&mut Row<W>, &mut [T; L]),
     tally: &mut Tally,
 ) {
-    let n = layout.side();
-    let (start, per_row) = (y * layout.steps()[1], target.marks.len() / n);
-    let row = part(target.planes.each_ref().map(|plane| &**plane), start, start + n);
-    mark(row, run, lit, &mut target.marks[y * per_row..(y + 1) * per_row]);
+    let (start, end) = (y * layout.steps()[1], y * layout.steps()[1] + layout.side());
+    let row = part(target.planes.each_ref().map(|plane| &**plane), start, end);
+    mark::<T, L, W>(row, run, lit, &mut target.marks.as_chunks_mut().0[y]);
     if order.energy {
         add_up(row[0], run, lanes);
     }
@@ -268,7 +311,7 @@ fn look<T: Real, const L: usize>(
         tally.in_cone = within_cone(part(row, run.start, run.end), cone);
     }
     if order.drop_dark {
-        drop_dark::<T, L>(row, run, lit);
+        drop_dark::<T, L, W>(row, run, lit);
     }
 }
 
@@ -277,12 +320,6 @@ fn look<T: Real, const L: usize>(
 fn is_dark_around(lit: &[u64], words: usize, z: usize) -> bool {
     let around = &lit[z.saturating_sub(1) * words..lit.len().min((z + 2) * words)];
     around.iter().fold(0, |any, word| any | word) == 0
-}
-
-/// The bits of the chunk of `lanes` cells that begins at cell `x`, out of its word.
-#[inline(always)]
-fn chunk(word: u64, x: usize, lanes: usize) -> u64 {
-    (word >> (x % 64)) & (u64::MAX >> (64 - lanes))
 }
 
 /// A run of cells in some rows.

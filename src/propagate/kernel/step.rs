@@ -2,11 +2,10 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use super::carve::{Planes, Tied, cut_marks, runs, slab_of};
 use super::form::Form;
 use super::slab::{Source, Work, advance};
+use super::team::share;
 use super::{Instructions, Level, Order, Tally};
 use crate::field::{Grid, Marks};
 use crate::propagate::active::everywhere;
@@ -47,9 +46,7 @@ pub fn step<T: Real>(order: &Order<T>, level: &mut Level<'_, T>, pieces: usize, 
         slabs.clone().map(one).collect()
     };
     // A tally a slab, summed in order: so many threads, the same sum.
-    let tallies: Vec<Vec<Tally>> =
-        if pieces == 1 { work.into_iter().map(run).collect() } else { work.into_par_iter().map(run).collect() };
-    tallies.into_iter().flatten().fold(Tally::NONE, Tally::and)
+    share(work, run).into_iter().flatten().fold(Tally::NONE, Tally::and)
 }
 
 /// What all cells of `source` send to their neighbours, clamps and all, with nothing left out: an iteration

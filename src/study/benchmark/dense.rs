@@ -8,7 +8,7 @@ use super::aos::Aos;
 use crate::field::{Grid, Marks};
 use crate::propagate::active::everywhere;
 use crate::propagate::kernel::form::Form;
-use crate::propagate::kernel::{Instructions, Level, Order, blocked, plain, step};
+use crate::propagate::kernel::{Instructions, Level, Order, blocked, plain, step, team};
 use crate::propagate::scheme::Scheme;
 use crate::propagate::stencil::Stencil;
 use crate::sh::Sh;
@@ -115,6 +115,7 @@ impl Dense {
         let (mut lit, mut other) = (everywhere(n), everywhere(n));
         let threads = rayon::current_num_threads();
         let deepest = if which == Loop::Blocked { blocked::depth::<f32>(self.source.layout(), threads) } else { 1 };
+        team::stay_awake();
         let (mut done, mut visited) = (0, 0);
         let started = Instant::now();
         while done < ITERATIONS {

@@ -25,14 +25,14 @@ pub struct Fading {
 }
 
 impl Fading {
-    /// Times 2000 iterations on one thread, twice.
+    /// Times 2000 iterations on the current threads, twice.
     pub fn measure() -> Result<Self, BenchmarkError> {
         Ok(Fading { computed: hundreds(Skip::NOTHING)?, skipped: hundreds(Skip::default())? })
     }
 }
 
 fn hundreds(skip: Skip) -> Result<Vec<f64>, BenchmarkError> {
-    let options = Options { threads: Some(1), skip, ..Options::default() };
+    let options = Options { skip, ..Options::default() };
     let mut simulation = Simulation::<f32>::with_options(scene(SCENE)?, options)?;
     for action in [Action::Clear, Action::Inject, Action::Downsample] {
         simulation.act(action);

@@ -4,7 +4,6 @@ use std::time::Instant;
 
 use super::skipping::{bytes, scene};
 use super::{BenchmarkError, median};
-use crate::simulation::options::Options;
 use crate::simulation::{Action, Simulation};
 
 /// Two walls and a lobe whose colours are no multiples of each other.
@@ -33,10 +32,10 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    /// Times so many frames.
-    pub fn measure(threads: usize, frames: usize) -> Result<Self, BenchmarkError> {
-        let options = Options { threads: Some(threads), ..Options::default() };
-        let mut simulation = Simulation::<f32>::with_options(scene(SCENE)?, options)?;
+    /// Times so many frames on the current threads.
+    pub fn measure(frames: usize) -> Result<Self, BenchmarkError> {
+        let threads = rayon::current_num_threads();
+        let mut simulation = Simulation::<f32>::new(scene(SCENE)?)?;
         let stages: [(&str, &[Action]); 5] = [
             ("clear", &[Action::Clear]),
             ("inject", &[Action::Inject]),

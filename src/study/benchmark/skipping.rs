@@ -59,10 +59,10 @@ pub(super) fn scene(text: &str) -> Result<Scene, BenchmarkError> {
 }
 
 impl Case {
-    /// Times the iterations, injection and merge aside, on `threads` threads; and the bytes that the
+    /// Times the iterations, injection and merge aside, on the current threads; and the bytes that the
     /// simulation's light takes.
-    pub fn sample(&self, n: usize, threads: usize) -> Result<(Sample, usize), BenchmarkError> {
-        let options = Options { threads: Some(threads), skip: self.skip, ..Options::default() };
+    pub fn sample(&self, n: usize) -> Result<(Sample, usize), BenchmarkError> {
+        let options = Options { skip: self.skip, ..Options::default() };
         let mut simulation = Simulation::<f32>::with_options(scene(&(self.scene)(n))?, options)?;
         for action in [Action::Clear, Action::Inject, Action::Downsample] {
             simulation.act(action);

@@ -1,0 +1,91 @@
+//! How threads share one iteration, and stay awake until the next.
+//!
+//! Handing pieces to whoever is free is slow here twice over. A thread that gets another part of the grid
+//! every time finds none of it in its cache; so every thread begins with the pieces that were its own the
+//! last time, and only then helps out with those that others have not begun. And a thread that has nothing to do
+//! soon sleeps; to be woken takes it, on a virtual machine above all, as long as a small level's whole
+//! iteration. So threads look out for more a while longer, [`PATIENCE`], before they do.
+//!
+//! And the thread that hands out the work should be one of those that do it. Where it only waits for them it
+//! keeps its core just long enough for the system to put two of them on the other one, where they
+//! take turns for many iterations. Whoever runs simulations is best [inside](inside) a pool throughout.
+
+use std::cell::Cell;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
+
+/// How long a thread without work looks out for more. Longer than what lies between two iterations, and
+/// short enough that nobody minds when none comes.
+const PATIENCE: Duration = Duration::from_micros(500);
+
+/// Does the work on a thread of a pool: here, if this is one, else in everybody's pool.
+pub fn inside<R: Send>(work: impl FnOnce() -> R + Send) -> R {
+    if rayon::current_thread_index().is_some() { work() } else { rayon::scope(|_| work()) }
+}
+
+/// What `work` makes of every piece, in their order. The threads of the current pool share the pieces; which of
+/// them does what must make no difference.
+pub fn share<P: Send, R: Send + Sync>(pieces: Vec<P>, work: impl Fn(P) -> R + Sync) -> Vec<R> {
+    let (count, threads) = (pieces.len(), rayon::current_num_threads());
+    if count < 2 || threads < 2 {
+        return pieces.into_iter().map(work).collect();
+    }
+    let pieces: Vec<Mutex<Option<P>>> = pieces.into_iter().map(|piece| Mutex::new(Some(piece))).collect();
+    let done: Vec<OnceLock<R>> = (0..count).map(|_| OnceLock::new()).collect();
+    let left = AtomicUsize::new(count);
+    let begin = |thread: usize| thread * count / threads;
+    let part_of = |thread: usize| begin(thread)..begin(thread + 1);
+    let take_part = || {
+        let me = rayon::current_thread_index().unwrap_or(0);
+        // The others begin at the front of theirs.
+        let of_others = (1..threads).flat_map(|i| part_of((me + i) % threads).rev());
+        for i in part_of(me).chain(of_others) {
+            let piece = pieces[i].lock().unwrap_or_else(PoisonError::into_inner).take();
+            if let Some(piece) = piece {
+                // Nobody else had the piece.
+                let _ = done[i].set(work(piece));
+                left.fetch_sub(1, Ordering::Release);
+            }
+        }
+    };
+    rayon::scope(|scope| {
+        (1..threads).for_each(|_| scope.spawn(|_| take_part()));
+        take_part();
+        // The scope would fall asleep while it waits for the others' last pieces.
+        let until = Instant::now() + PATIENCE;
+        while left.load(Ordering::Acquire) > 0 && Instant::now() < until {
+            std::thread::yield_now();
+        }
+    });
+    done.into_iter().filter_map(OnceLock::into_inner).collect()
+}
+
+/// Asks the pool's other threads to stay awake: there will be several calls of [`share`] in a row.
+pub fn stay_awake() {
+    let caller = rayon::current_thread_index();
+    if rayon::current_num_threads() > 1 && caller.is_some() {
+        rayon::spawn_broadcast(move |thread| {
+            if Some(thread.index()) != caller {
+                look_out();
+            }
+        });
+    }
+}
+
+thread_local!(static LOOKS_OUT: Cell<bool> = const { Cell::new(false) });
+
+/// Does the pool's work until none has come for a while.
+fn look_out() {
+    if LOOKS_OUT.replace(true) {
+        return;
+    }
+    let mut until = Instant::now() + PATIENCE;
+    while Instant::now() < until {
+        match rayon::yield_now() {
+            Some(rayon::Yield::Executed) => until = Instant::now() + PATIENCE,
+            _ => std::thread::yield_now(),
+        }
+    }
+    LOOKS_OUT.set(false);
+}
