@@ -116,6 +116,20 @@ impl<T: Real> Grid<T> {
         Sh(self.planes.each_ref().map(|plane| plane[i]))
     }
 
+    /// The row (y, z) of each plane.
+    #[inline]
+    pub fn row(&self, y: usize, z: usize) -> [&[T]; 4] {
+        let start = self.layout.row_start(y, z);
+        self.planes.each_ref().map(|plane| &plane[start..start + self.layout.n])
+    }
+
+    /// The row (y, z) of each plane, to write.
+    #[inline]
+    pub fn row_mut(&mut self, y: usize, z: usize) -> [&mut [T]; 4] {
+        let (start, n) = (self.layout.row_start(y, z), self.layout.n);
+        self.planes.each_mut().map(|plane| &mut plane[start..start + n])
+    }
+
     /// Sets a cell.
     #[inline]
     pub fn set(&mut self, cell: Cell, value: Sh<T>) {

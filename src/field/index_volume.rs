@@ -8,6 +8,9 @@ use super::grid::{Cell, Grid};
 use super::octree::{Levels, Octree};
 use crate::sh::Real;
 
+/// Cells that are looked at together for whether any is lit.
+const RUN: usize = 16;
+
 /// A bit for every cell of an n³ grid: set once the cell has received light.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Marks {
@@ -67,13 +70,38 @@ impl Marks {
         self.words.iter().filter(|word| **word != 0).count() * self.n.min(64)
     }
 
-    /// Marks every cell of `grid` that is not dark.
+    /// Marks every cell of `grid`, which is of the same side, that is not dark.
     pub fn mark_lit<T: Real>(&mut self, grid: &Grid<T>) {
-        for (cell, light) in grid.iter() {
-            if !light.is_zero() {
-                self.set(cell);
+        let n = self.n;
+        for (row, words) in self.words.chunks_exact_mut(self.words_per_row).enumerate() {
+            let planes = grid.row(row % n, row / n);
+            for from in (0..n).step_by(RUN) {
+                let run = from..n.min(from + RUN);
+                if planes.iter().all(|plane| plane[run.clone()].iter().fold(true, |dark, c| dark & (*c == T::ZERO))) {
+                    continue;
+                }
+                for x in run.filter(|x| planes.iter().any(|plane| plane[*x] != T::ZERO)) {
+                    words[x / 64] |= 1 << (x % 64);
+                }
             }
         }
+    }
+
+    /// The cells of half as large a grid that have a marked cell among their eight children. The side must be two
+    /// at least.
+    pub fn parents(&self) -> Marks {
+        let mut parents = Marks::new(self.n / 2);
+        let (n, per_row) = (self.n, self.words_per_row);
+        let of_row = |y: usize, z: usize| &self.words[(z * n + y) * per_row..][..per_row];
+        for (row, parents) in parents.words.chunks_exact_mut(parents.words_per_row).enumerate() {
+            let (y, z) = (2 * (row % (n / 2)), 2 * (row / (n / 2)));
+            let four = [of_row(y, z), of_row(y + 1, z), of_row(y, z + 1), of_row(y + 1, z + 1)];
+            for w in 0..per_row {
+                let any = four.iter().fold(0, |any, words| any | words[w]);
+                parents[w / 2] |= pairs(any) << (32 * (w % 2));
+            }
+        }
+        parents
     }
 
     /// How many cells are marked.
@@ -85,6 +113,22 @@ impl Marks {
     pub fn clear(&mut self) {
         self.words.fill(0);
     }
+}
+
+/// Bit i of the result: whether bit 2i or bit 2i + 1 is set.
+fn pairs(word: u64) -> u64 {
+    let mut bits = (word | word >> 1) & 0x5555_5555_5555_5555;
+    // Every step moves the upper half of each group next to the lower.
+    for (shift, mask) in [
+        (1, 0x3333_3333_3333_3333),
+        (2, 0x0f0f_0f0f_0f0f_0f0f),
+        (4, 0x00ff_00ff_00ff_00ff),
+        (8, 0x0000_ffff_0000_ffff),
+        (16, 0x0000_0000_ffff_ffff),
+    ] {
+        bits = (bits | bits >> shift) & mask;
+    }
+    bits
 }
 
 /// Which level to sample where, kept as one [`Marks`] a level.
@@ -124,9 +168,19 @@ impl IndexVolume {
 
     /// Stores S(x, y, z) of `octree` for every finest cell (000, 4.2, merging).
     pub fn merge<T: Real>(&self, octree: &Octree<T>, merged: &mut Grid<T>) {
-        for cell in merged.layout().cells() {
-            let i = self.index(cell);
-            merged.set(cell, octree.level(i).get(cell.map(|c| c >> i)));
+        // Most cells show the finest level: take its rows, and then what is coarser in them.
+        merged.copy_from(octree.level(0));
+        let finest = &self.marks[0];
+        for (row, words) in finest.words.chunks_exact(finest.words_per_row).enumerate() {
+            for (w, lit) in words.iter().enumerate() {
+                let mut dark = !lit & (u64::MAX >> (64 - finest.n.min(64)));
+                while dark != 0 {
+                    let cell = [64 * w + dark.trailing_zeros() as usize, row % finest.n, row / finest.n];
+                    let i = self.index(cell);
+                    merged.set(cell, octree.level(i).get(cell.map(|c| c >> i)));
+                    dark &= dark - 1;
+                }
+            }
         }
     }
 
@@ -161,6 +215,27 @@ mod tests {
         assert_eq!(index.index([4, 1, 6]), 0);
         assert_eq!(index.index([5, 1, 6]), 2);
         assert_eq!(index.index([3, 1, 6]), 3);
+    }
+
+    #[test]
+    fn marks_are_those_that_looking_at_every_cell_gives() {
+        for n in [2, 16, 128] {
+            let mut grid = Grid::<f32>::new(n);
+            for i in [0, 1, n / 2, n - 1] {
+                grid.set([i, n - 1 - i, i / 2], Sh([0.0, 0.0, -1.0, 0.0]));
+            }
+            let (mut found, mut parents) = (Marks::new(n), Marks::new(n / 2));
+            found.set([1, 0, 0]);
+            found.mark_lit(&grid);
+            for (cell, light) in grid.iter() {
+                let is_marked = cell == [1, 0, 0] || !light.is_zero();
+                assert_eq!(found.get(cell), is_marked, "{cell:?}");
+                if is_marked {
+                    parents.set(cell.map(|c| c / 2));
+                }
+            }
+            assert_eq!(found.parents(), parents);
+        }
     }
 
     #[test]

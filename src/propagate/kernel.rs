@@ -60,3 +60,16 @@ pub struct Level<'a, T> {
     /// Where light has been.
     pub marks: &'a mut Marks,
 }
+
+impl<T> Level<'_, T> {
+    /// The same, after `turns` exchanges of source and target.
+    fn turned(&mut self, turns: usize) -> Level<'_, T> {
+        let Level { source, source_lit, target, target_lit, sum, marks } = self;
+        let (mut from, mut to) = ((&mut **source, &mut **source_lit), (&mut **target, &mut **target_lit));
+        if turns % 2 == 1 {
+            (from, to) = (to, from);
+        }
+        let ((source, source_lit), (target, target_lit)) = (from, to);
+        Level { source, source_lit, target, target_lit, sum: sum.as_deref_mut(), marks }
+    }
+}

@@ -12,7 +12,7 @@ use super::occlusion::accumulate;
 use super::options::{Kernel, Options, Wanted, Work};
 use super::{Action, Light, Simulation, step};
 use crate::field::{IndexVolume, Marks};
-use crate::propagate::active::grown;
+use crate::propagate::active::{grown, row_mask};
 use crate::propagate::kernel::occluded::Which;
 use crate::propagate::kernel::team;
 use crate::scene::preset::Snapshots;
@@ -189,15 +189,12 @@ impl<T: Real> Simulation<T> {
 /// The cells of level `i` that some sample looks at, or a coarser cell in its place: those with a child
 /// that was looked at and has had no light. `finer` are those of the next finer level; `None` for all.
 fn sampled(index: &IndexVolume, i: usize, finer: Option<&Marks>) -> Marks {
-    let n = index.sizes().side(i);
-    let mut sampled = Marks::new(n);
     let lit = index.level(i - 1);
-    for cell in crate::field::Layout::new(2 * n).cells() {
-        if !lit.get(cell) && finer.is_none_or(|finer| finer.get(cell)) {
-            sampled.set(cell.map(|c| c / 2));
-        }
+    let mut open = Marks::new(lit.side());
+    for (w, (open, lit)) in open.words_mut().iter_mut().zip(lit.words()).enumerate() {
+        *open = !lit & row_mask(index.sizes().side(i - 1)) & finer.map_or(u64::MAX, |finer| finer.words()[w]);
     }
-    sampled
+    open.parents()
 }
 
 /// What a level has to compute so that the `sampled` cells are right at the end: entry j for the iteration

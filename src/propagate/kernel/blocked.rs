@@ -14,12 +14,12 @@ use std::ops::Range;
 use super::carve::{Planes, Tied, cut_marks, runs, slab_of};
 use super::slab::{Work, advance};
 use super::team::share;
-use super::{Level, Order, Tally};
+use super::{Level, Order, Tally, step};
 use crate::field::{Layout, Marks};
 use crate::sh::Real;
 
 /// Memory that the slabs under the wave may take, in bytes, all threads together.
-const CACHE: usize = 12 << 20;
+const CACHE: usize = 16 << 20;
 
 /// The most iterations in one pass; more would gain nothing.
 const MOST: usize = 16;
@@ -49,24 +49,22 @@ pub fn advance_many<T: Real>(
     // A run must be wide enough that the wedges on its two sides do not meet.
     let threads = threads.clamp(1, (n / (2 * iterations + 2)).max(1));
     let inner: Vec<usize> = (1..threads).map(|i| i * n / threads).collect();
-    let reach = iterations + 1;
-    let pass = Pass { order, layout, iterations, need };
 
     let ends: Vec<usize> = inner.iter().copied().chain([n]).collect();
     let shrinking = |slabs: &Range<usize>, t: usize| {
         let from = if slabs.start == 0 { 0 } else { slabs.start + t + 1 };
         from..if slabs.end == n { n } else { slabs.end - t - 1 }
     };
-    let first = pass.over(level, &ends, |_| true, shrinking);
-
-    // The wedges: the slabs within `reach` of each inner end, with what lies between left alone.
-    let ends: Vec<usize> = inner.iter().flat_map(|b| [b - reach, b + reach]).chain([n]).collect();
-    let growing = |slabs: &Range<usize>, t: usize| {
-        let middle = slabs.start + reach;
-        middle - t - 1..middle + t + 1
-    };
-    let second = if inner.is_empty() { Tally::NONE } else { pass.over(level, &ends, |run| run % 2 == 1, growing) };
-    first.and(second)
+    let mut tally = Pass { order, layout, iterations, need }.over(level, &ends, shrinking);
+    // The wedges, each slab of which is a piece.
+    let is_near = |z: usize, t: usize| inner.iter().any(|end| z < end + t + 1 && z + t + 1 >= *end);
+    for t in 0..if inner.is_empty() { 0 } else { iterations } {
+        let ends: Vec<usize> = (1..=n).filter(|z| *z == n || is_near(z - 1, t) || is_near(*z, t)).collect();
+        let mut turned = level.turned(t);
+        let wanted = |slabs: &Range<usize>| is_near(slabs.start, t);
+        tally = tally.and(step::over(order, &mut turned, &ends, wanted, need.map(|need| need[t])));
+    }
+    tally
 }
 
 /// What all parts of a pass have in common.
@@ -86,22 +84,20 @@ struct Part<'a, T> {
 }
 
 impl<T: Real> Pass<'_, T> {
-    /// Cuts the level at `ends` and sends a wave through the slabs of each run that is `wanted`, over
-    /// those that `range` gives for iteration t.
+    /// Cuts the level at `ends` and sends a wave through the slabs of each run, over those that `range`
+    /// gives for iteration t.
     fn over(
         &self,
         level: &mut Level<'_, T>,
         ends: &[usize],
-        wanted: impl Fn(usize) -> bool,
         range: impl Fn(&Range<usize>, usize) -> Range<usize> + Sync,
     ) -> Tally {
         let light = Planes::cut(level.source, ends).into_iter().zip(Planes::cut(level.target, ends));
         let lit = cut_marks(level.source_lit, ends).into_iter().zip(cut_marks(level.target_lit, ends));
         let tied = Tied::cut(level.sum.as_deref_mut(), level.marks, ends);
-        let parts = runs(ends).zip(light).zip(lit.zip(tied)).enumerate().filter(|(run, _)| wanted(*run));
-        let parts: Vec<Part<'_, T>> = parts
-            .map(|(_, ((slabs, (a, b)), ((c, d), tied)))| Part { slabs, light: [a, b], lit: [c, d], tied })
-            .collect();
+        let parts = runs(ends).zip(light).zip(lit.zip(tied));
+        let parts: Vec<Part<'_, T>> =
+            parts.map(|((slabs, (a, b)), ((c, d), tied))| Part { slabs, light: [a, b], lit: [c, d], tied }).collect();
         let run = |mut part: Part<'_, T>| self.wave(&mut part, &range);
         share(parts, run).into_iter().fold(Tally::NONE, Tally::and)
     }

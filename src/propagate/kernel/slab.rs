@@ -148,14 +148,15 @@ fn rows<T: Real, const L: usize, const W: usize>(work: Work<'_, T>, target: &mut
     tally
 }
 
-/// Whether a slab was lit all over before and is marked all over, and nothing is asked: then only whether
-/// something goes dark is left to look at.
+/// Whether a slab was lit all over before, is marked and needed all over, and nothing is asked: then only
+/// whether something goes dark is left to look at.
 #[inline(always)]
 fn is_old_news<T: Real>(Work { order, layout, source, z, need }: Work<'_, T>, target: &Target<'_, T>) -> bool {
     let (words, all) = (target.marks.len(), row_mask(layout.side()));
     let is_full = |words: &[u64]| words.iter().all(|word| *word == all);
-    let is_asked = order.energy || order.cone.is_some() || need.is_some();
-    !is_asked && is_full(&source.lit[z * words..(z + 1) * words]) && is_full(target.lit) && is_full(target.marks)
+    let is_asked = order.energy || order.cone.is_some();
+    let before = [&source.lit[z * words..(z + 1) * words], target.lit, target.marks];
+    !is_asked && before.into_iter().chain(need).all(is_full)
 }
 
 /// A slab that is lit and marked all over.

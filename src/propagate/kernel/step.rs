@@ -26,17 +26,27 @@ pub fn pieces(threads: usize, cells: usize) -> usize {
 /// `need` is given, cells outside it may be left out. The result does not depend on the `pieces` that
 /// threads share.
 pub fn step<T: Real>(order: &Order<T>, level: &mut Level<'_, T>, pieces: usize, need: Option<&Marks>) -> Tally {
-    let layout = level.source.layout();
-    let n = layout.side();
+    let n = level.source.side();
     let pieces = pieces.clamp(1, n);
     let ends: Vec<usize> = (1..=pieces).map(|i| i * n / pieces).collect();
+    over(order, level, &ends, |_| true, need)
+}
 
+/// [`step`] over those of the pieces between consecutive `ends` that are `wanted`.
+pub(super) fn over<T: Real>(
+    order: &Order<T>,
+    level: &mut Level<'_, T>,
+    ends: &[usize],
+    wanted: impl Fn(&Range<usize>) -> bool,
+    need: Option<&Marks>,
+) -> Tally {
+    let layout = level.source.layout();
     let source = whole(level.source, level.source_lit);
-    let light = Planes::cut(level.target, &ends);
-    let lit = cut_marks(level.target_lit, &ends);
-    let tied = Tied::cut(level.sum.as_deref_mut(), level.marks, &ends);
+    let light = Planes::cut(level.target, ends);
+    let lit = cut_marks(level.target_lit, ends);
+    let tied = Tied::cut(level.sum.as_deref_mut(), level.marks, ends);
     let parts = light.into_iter().zip(lit).zip(tied).map(|((light, lit), tied)| Part { light, lit, tied });
-    let work: Vec<(Range<usize>, Part<'_, T>)> = runs(&ends).zip(parts).collect();
+    let work: Vec<(Range<usize>, Part<'_, T>)> = runs(ends).zip(parts).filter(|(slabs, _)| wanted(slabs)).collect();
     let run = |(slabs, mut part): (Range<usize>, Part<'_, T>)| -> Vec<Tally> {
         let one = |z: usize| {
             let need = need.map(|need| slab_of(need, z));

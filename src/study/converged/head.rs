@@ -5,8 +5,6 @@ use crate::propagate::kernel::form::Form;
 use crate::propagate::kernel::step::{pieces, step};
 use crate::propagate::kernel::{Instructions, Level, Order, lies_in_cone};
 
-/// Cells looked at together for light.
-const RUN: usize = 16;
 /// The most steps taken.
 const MOST_STEPS: usize = 16;
 
@@ -45,7 +43,8 @@ impl Head {
     pub fn run(&mut self, injected: &Grid<f32>, sum: &mut Grid<f32>) -> bool {
         let Head { order, cone, source, source_lit, target, target_lit, marks } = self;
         source.copy_from(injected);
-        mark_lit(source, source_lit);
+        source_lit.clear();
+        source_lit.mark_lit(source);
         if cone.is_infinite() || lies_in_cone(source, source_lit, *cone) {
             sum.clear();
             return true;
@@ -73,43 +72,5 @@ impl Head {
     /// Where it may be lit.
     pub fn lit(&self) -> &Marks {
         &self.source_lit
-    }
-}
-
-/// Marks the lit cells of a grid, and no others.
-fn mark_lit(grid: &Grid<f32>, marks: &mut Marks) {
-    let (n, words) = (grid.side(), marks.words_per_row());
-    for (row, marks) in marks.words_mut().chunks_exact_mut(words).enumerate() {
-        let start = grid.layout().row_start(row % n, row / n);
-        marks.fill(0);
-        for from in (0..n).step_by(RUN) {
-            let run = start + from..start + (from + RUN).min(n);
-            let any = grid.planes().iter().flat_map(|plane| &plane[run.clone()]).fold(0, |any, c| any | c.to_bits());
-            if any != 0 {
-                let lit = run.clone().filter(|i| !grid.at(*i).is_zero());
-                lit.for_each(|i| marks[(i - start) / 64] |= 1 << ((i - start) % 64));
-            }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::sh::Sh;
-
-    #[test]
-    fn marks_are_those_that_looking_at_every_cell_gives() {
-        for n in [2, 16, 128] {
-            let mut grid = Grid::new(n);
-            for i in [0, 1, n / 2, n - 1] {
-                grid.set([i, n - 1 - i, i / 2], Sh([0.0, 0.0, -1.0, 0.0]));
-            }
-            let (mut found, mut wanted) = (Marks::new(n), Marks::new(n));
-            found.set([1, 0, 0]);
-            mark_lit(&grid, &mut found);
-            wanted.mark_lit(&grid);
-            assert_eq!(found, wanted);
-        }
     }
 }
