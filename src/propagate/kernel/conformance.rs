@@ -4,7 +4,7 @@
 use proptest::prelude::*;
 
 use super::form::Form;
-use super::{FLOOR, Instructions, Level, Order, Tally, blocked, plain, step};
+use super::{FLOOR, Instructions, Level, Order, Tally, blocked, plain, slab, step};
 use crate::field::{Grid, Marks};
 use crate::propagate::active::everywhere;
 use crate::propagate::scheme;
@@ -28,23 +28,35 @@ struct Way {
     reach: bool,
     drop_dark: bool,
     depth: usize,
+    /// Whether a wave takes as few rows as it can.
+    leaning: bool,
+    /// Whether the energy is asked for, so that every row is looked at.
+    energy: bool,
 }
 
-const DEFINING: Way =
-    Way { instructions: Instructions::Baseline, threads: 1, reach: false, drop_dark: false, depth: 1 };
+const DEFINING: Way = Way {
+    instructions: Instructions::Baseline,
+    threads: 1,
+    reach: false,
+    drop_dark: false,
+    depth: 1,
+    leaning: false,
+    energy: true,
+};
 
 fn ways() -> Vec<Way> {
     let mut ways = Vec::new();
     for instructions in [Instructions::Baseline, Instructions::Avx2, Instructions::Best] {
-        for (threads, reach, drop_dark, depth) in [
-            (1, true, false, 1),
-            (1, false, true, 1),
-            (1, true, true, 3),
-            (2, true, true, 1),
-            (2, false, false, 3),
-            (3, true, true, 5),
+        for (threads, reach, drop_dark, depth, leaning, energy) in [
+            (1, true, false, 1, false, false),
+            (1, false, true, 1, false, true),
+            (1, true, true, 3, false, false),
+            (1, true, true, 4, true, false),
+            (2, true, true, 1, false, false),
+            (2, false, false, 3, true, true),
+            (3, true, true, 5, false, false),
         ] {
-            ways.push(Way { instructions, threads, reach, drop_dark, depth });
+            ways.push(Way { instructions, threads, reach, drop_dark, depth, leaning, energy });
         }
     }
     ways
@@ -61,9 +73,10 @@ fn start<T: Real>(n: usize, light: &[([usize; 3], Sh<T>)]) -> Run<T> {
 }
 
 fn advance<T: Real>(form: Form<T>, linear: bool, way: Way, iterations: usize, mut run: Run<T>) -> (Run<T>, Tally) {
-    let order =
-        Order { form, linear, drop_dark: way.drop_dark, cone: None, energy: true, instructions: way.instructions };
+    let Way { instructions, drop_dark, energy, .. } = way;
+    let order = Order { form, linear, drop_dark, cone: None, energy, instructions };
     let n = run.source.side();
+    let rows = if way.leaning { slab::grain(run.source.layout()).min(n) } else { n };
     let mut source_lit = if way.reach { run.marks.clone() } else { everywhere(n) };
     let mut target_lit = Marks::new(n);
     let (mut done, mut tally) = (0, Tally::NONE);
@@ -80,7 +93,7 @@ fn advance<T: Real>(form: Form<T>, linear: bool, way: Way, iterations: usize, mu
         let found = if depth == 1 {
             step::step(&order, &mut level, way.threads, None)
         } else {
-            blocked::advance_many(&order, &mut level, depth, way.threads, None)
+            blocked::in_waves(&order, &mut level, depth, way.threads, rows, None)
         };
         tally = Tally { visited: tally.visited + found.visited, ..found };
         if depth % 2 == 1 {
@@ -153,8 +166,10 @@ fn rows_of_several_words_take_the_same_paths() {
         let mut free = scene(n);
         free.marks.words_mut().fill(u64::MAX);
         // Marks everywhere and light from end to end: rows that are computed as one stretch.
-        let (whole, _) = advance(form, false, Way { reach: true, ..DEFINING }, iterations, free);
-        assert!(whole.source == defining.source && whole.sum == defining.sum, "n = {n}");
+        for way in [Way { reach: true, ..DEFINING }, Way { reach: true, drop_dark: true, energy: false, ..DEFINING }] {
+            let (whole, _) = advance(form, false, way, iterations, free.clone());
+            assert!(whole.source == defining.source && whole.sum == defining.sum, "n = {n}, {way:?}");
+        }
         if n > 128 {
             continue;
         }

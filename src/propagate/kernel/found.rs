@@ -8,7 +8,7 @@ use crate::field::{Grid, Marks};
 use crate::propagate::active::Row;
 use crate::sh::Real;
 
-/// Cells `start` to before `end` of a row, whole chunks.
+/// Cells `start` to before `end` of a row, whole chunks; or rows of a slab.
 #[derive(Clone, Copy)]
 pub(super) struct Run {
     pub(super) start: usize,

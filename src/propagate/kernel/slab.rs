@@ -98,8 +98,16 @@ pub(super) struct Work<'a, T> {
     pub(super) source: Source<'a, T>,
     /// The slab's number in the source.
     pub(super) z: usize,
+    /// The rows of it to compute: a multiple of [`grain`] from the first to before the last.
+    pub(super) rows: Run,
     /// Where it is given, cells of the slab outside it may be left out.
     pub(super) need: Option<&'a [u64]>,
+}
+
+/// How many rows together, with the gaps between them, are whole chunks.
+pub(super) fn grain(layout: Layout) -> usize {
+    let [_, row, _] = layout.steps();
+    [1, 2, 4, 8].into_iter().find(|rows| (rows * row).is_multiple_of(LANES)).unwrap_or(LANES)
 }
 
 /// Takes a slab one iteration further.
@@ -118,7 +126,7 @@ pub(super) fn advance<T: Real>(work: Work<'_, T>, target: &mut Target<'_, T>) ->
 }
 
 fn rows<T: Real, const L: usize, const W: usize>(work: Work<'_, T>, target: &mut Target<'_, T>) -> Tally {
-    let Work { layout, source, z, need, .. } = work;
+    let Work { layout, source, z, rows, need, .. } = work;
     let mut tally = Tally::NONE;
     if is_dark_around(source.lit, target.marks.len(), z) && target.lit.iter().all(|word| *word == 0) {
         return tally;
@@ -128,9 +136,9 @@ fn rows<T: Real, const L: usize, const W: usize>(work: Work<'_, T>, target: &mut
         return throughout::<T, L, W>(work, target, group);
     }
     let (source_lit, need) = (source.lit.as_chunks().0, need.map(|need| need.as_chunks::<W>().0));
-    for first in (0..n).step_by(group) {
+    for first in (rows.start..rows.end).step_by(group) {
         let mut lit = [[0; W]; MOST_TOGETHER];
-        let lit = &mut lit[..group];
+        let lit = &mut lit[..group.min(rows.end - first)];
         for (y, lit) in (first..).zip(&mut *lit) {
             *lit = reached(source_lit, n, z * n + y);
             if let Some(need) = need {
@@ -140,7 +148,7 @@ fn rows<T: Real, const L: usize, const W: usize>(work: Work<'_, T>, target: &mut
         // Where some rows stay dark the others are better off alone.
         let is_dense = lit.iter().all(|lit| *lit != [0; W]);
         let mut first = first;
-        for lit in lit.chunks_mut(if is_dense { group } else { 1 }) {
+        for lit in lit.chunks_mut(if is_dense { lit.len() } else { 1 }) {
             together::<T, L, W>(work, target, first, lit, &mut tally);
             first += lit.len();
         }
@@ -151,7 +159,7 @@ fn rows<T: Real, const L: usize, const W: usize>(work: Work<'_, T>, target: &mut
 /// Whether a slab was lit all over before, is marked and needed all over, and nothing is asked: then only
 /// whether something goes dark is left to look at.
 #[inline(always)]
-fn is_old_news<T: Real>(Work { order, layout, source, z, need }: Work<'_, T>, target: &Target<'_, T>) -> bool {
+fn is_old_news<T: Real>(Work { order, layout, source, z, need, .. }: Work<'_, T>, target: &Target<'_, T>) -> bool {
     let (words, all) = (target.marks.len(), row_mask(layout.side()));
     let is_full = |words: &[u64]| words.iter().all(|word| *word == all);
     let is_asked = order.energy || order.cone.is_some();
@@ -166,12 +174,13 @@ fn throughout<T: Real, const L: usize, const W: usize>(
     target: &mut Target<'_, T>,
     group: usize,
 ) -> Tally {
-    let Work { order, layout, .. } = work;
+    let Work { order, layout, rows, .. } = work;
     let (n, row) = (layout.side(), layout.steps()[1]);
     let whole = Run { start: 0, end: n };
-    for first in (0..n).step_by(group) {
-        compute::<T, L>(work, target, first..first + group, whole);
-        for y in (first..first + group).filter(|_| order.drop_dark) {
+    for first in (rows.start..rows.end).step_by(group) {
+        let together = first..rows.end.min(first + group);
+        compute::<T, L>(work, target, together.clone(), whole);
+        for y in together.filter(|_| order.drop_dark) {
             let [c, ..] = &target.planes;
             if c[y * row] == T::ZERO || c[y * row + n - 1] == T::ZERO {
                 let cells = part(target.planes.each_ref().map(|plane| &**plane), y * row, y * row + n);
@@ -179,7 +188,7 @@ fn throughout<T: Real, const L: usize, const W: usize>(
             }
         }
     }
-    Tally { visited: n * n, ..Tally::NONE }
+    Tally { visited: n * (rows.end - rows.start), ..Tally::NONE }
 }
 
 /// How many rows are computed together: so many that setting their loops up costs little, and so few that

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::carve::{Planes, Tied, cut_marks, runs, slab_of};
 use super::form::Form;
+use super::found::Run;
 use super::slab::{Source, Work, advance};
 use super::team::share;
 use super::{Instructions, Level, Order, Tally};
@@ -41,6 +42,7 @@ pub(super) fn over<T: Real>(
     need: Option<&Marks>,
 ) -> Tally {
     let layout = level.source.layout();
+    let rows = Run { start: 0, end: layout.side() };
     let source = whole(level.source, level.source_lit);
     let light = Planes::cut(level.target, ends);
     let lit = cut_marks(level.target_lit, ends);
@@ -51,7 +53,7 @@ pub(super) fn over<T: Real>(
         let one = |z: usize| {
             let need = need.map(|need| slab_of(need, z));
             let mut target = part.tied.target(layout, z - slabs.start, &mut part.light, part.lit);
-            advance(Work { order, layout, source, z, need }, &mut target)
+            advance(Work { order, layout, source, z, rows, need }, &mut target)
         };
         slabs.clone().map(one).collect()
     };
