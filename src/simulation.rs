@@ -251,17 +251,15 @@ impl<T: Real> Simulation<T> {
         };
         let change = match action {
             Action::Clear => {
-                self.ceiling.forget();
                 self.clear();
+                self.ceiling.clear();
                 Change { source: true, target: true, accumulated: true, merged: true, ..unchanged }
             }
             Action::Inject => {
-                self.ceiling.forget();
                 let accumulated = self.inject();
                 Change { source: true, accumulated, ..unchanged }
             }
             Action::Downsample => {
-                self.ceiling.forget();
                 self.downsample();
                 Change { source: true, accumulated: true, ..unchanged }
             }
@@ -334,6 +332,8 @@ impl<T: Real> Simulation<T> {
     /// Whether the accumulated light changed with the source.
     fn inject(&mut self) -> bool {
         let accumulate = self.scene.propagation.snapshots == Snapshots::Thesis;
+        // Cells may hold light of several entries: nothing is brighter than all of it together.
+        let mut most = vec![0.0; self.lights.len()];
         for source in &self.scene.sources {
             if let Some(radiance) = &mut self.radiance {
                 radiance.inject(source, &self.channels);
@@ -341,6 +341,7 @@ impl<T: Real> Simulation<T> {
             for (channel, light) in self.lights.iter_mut().enumerate() {
                 let weight = self.channels.weight(channel, source.color);
                 for (cell, value) in &source.light {
+                    most[channel] += (*value * weight).max_norm();
                     let value = (*value * weight).cast();
                     light.source.level_mut(0).add(*cell, value);
                     if accumulate && self.accumulating.as_ref().is_none_or(|cells| cells[0].get(*cell)) {
@@ -352,6 +353,7 @@ impl<T: Real> Simulation<T> {
                 }
             }
         }
+        self.ceiling.inject(most.into_iter().fold(0.0, f64::max));
         accumulate
     }
 
@@ -359,6 +361,9 @@ impl<T: Real> Simulation<T> {
         let hands_down = self.scene.propagation.levels == Policy::Consistent && self.radiance.is_none();
         if hands_down {
             self.hand_down();
+            self.ceiling.forget(1);
+        } else {
+            self.ceiling.downsample();
         }
         for light in &mut self.lights {
             if !hands_down {

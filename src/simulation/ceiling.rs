@@ -83,10 +83,33 @@ impl Ceiling {
         Ceiling { levels: stencils.iter().map(unknown).collect() }
     }
 
-    /// Forgets what is known of the light, because something else than an iteration changed it.
-    pub fn forget(&mut self) {
-        for bound in &mut self.levels {
-            (bound.source, bound.accumulated) = (f64::INFINITY, f64::INFINITY);
+    /// Takes note that all light was cleared.
+    pub fn clear(&mut self) {
+        self.set_from(0, [0.0; 2]);
+    }
+
+    /// Takes note that light whose coefficients sum up to at most `light` was added to the finest level.
+    pub fn inject(&mut self, light: f64) {
+        if let [finest, ..] = &mut self.levels[..] {
+            (finest.source, finest.accumulated) = (finest.source + light, finest.accumulated + light);
+        }
+    }
+
+    /// Takes note that every level but the finest was set to means of the next finer one.
+    pub fn downsample(&mut self) {
+        if let [Bound { source, accumulated, .. }, ..] = self.levels[..] {
+            self.set_from(1, [source, accumulated]);
+        }
+    }
+
+    /// Forgets what is known of the levels from `level` on, because something else changed their light.
+    pub fn forget(&mut self, level: usize) {
+        self.set_from(level, [f64::INFINITY; 2]);
+    }
+
+    fn set_from(&mut self, level: usize, [source, accumulated]: [f64; 2]) {
+        for bound in self.levels.iter_mut().skip(level) {
+            (bound.source, bound.accumulated) = (source, accumulated);
         }
     }
 

@@ -57,8 +57,8 @@ fn any<T: Real, const L: usize>(job: Job<'_, '_, T>) {
     let Job { form, linear: is_linear, floor, steps, stretches, chunks, planes, at, mut target, mut sum } = job;
     for begin in (0..stretches).map(|i| i * steps[1]) {
         let light = Light { planes, at: at + begin, steps, chunks };
-        let target = target.each_mut().map(|plane| &mut plane[begin..]);
-        let sum = sum.as_mut().map(|sum| sum.each_mut().map(|plane| &mut plane[begin..]));
+        let target = behind(&mut target, begin);
+        let sum = sum.as_mut().map(|sum| behind(sum, begin));
         match (is_linear, form.side.is_some(), sum) {
             (true, _, Some(sum)) => linear::<T, L, true>(form, floor, light, target, sum),
             (true, _, None) => linear::<T, L, false>(form, floor, light, target, Default::default()),
@@ -68,6 +68,12 @@ fn any<T: Real, const L: usize>(job: Job<'_, '_, T>) {
             (false, false, None) => clamped::<T, L, false, false>(form, floor, light, target, Default::default()),
         }
     }
+}
+
+/// The planes from `begin` on. Written out, as the `map` of arrays is not always inlined.
+#[inline(always)]
+pub(super) fn behind<'a, T>([c, x, y, z]: &'a mut [&mut [T]; 4], begin: usize) -> [&'a mut [T]; 4] {
+    [&mut c[begin..], &mut x[begin..], &mut y[begin..], &mut z[begin..]]
 }
 
 /// What one stretch is computed from.
@@ -200,7 +206,10 @@ fn clamped<T: Real, const L: usize, const SIDES: bool, const SUM: bool>(
     let out = |target, sum| Out::<T, L, SUM>::new(target, sum, chunks);
     let (mut to_c, mut to_x) = (out(to_c, sum_c), out(to_x, sum_x));
     let (mut to_y, mut to_z) = (out(to_y, sum_y), out(to_z, sum_z));
-    let [x, y, z] = steps.map(|step| planes.map(|plane| beside::<T, L>(plane, at, step, chunks)));
+    let [c, u, v, w] = planes;
+    let beside = |plane, step| beside::<T, L>(plane, at, step, chunks);
+    let along = |step| [beside(c, step), beside(u, step), beside(v, step), beside(w, step)];
+    let (x, y, z) = (along(steps[0]), along(steps[1]), along(steps[2]));
     for k in 0..chunks {
         let mut sums = [[T::ZERO; L]; 4];
         let [c, a, b, d] = &mut sums;

@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::FLOOR;
 use super::form::Form;
 use super::found::{Run, add_up, chunk, drop_dark, mark, part, within_cone};
-use super::row::{self, Job};
+use super::row::{self, Job, behind};
 use crate::field::Layout;
 use crate::propagate::active::{Row, reached, row_mask};
 use crate::sh::Real;
@@ -183,7 +183,7 @@ fn throughout<T: Real, const L: usize, const W: usize>(
         for y in together.filter(|_| order.drop_dark) {
             let [c, ..] = &target.planes;
             if c[y * row] == T::ZERO || c[y * row + n - 1] == T::ZERO {
-                let cells = part(target.planes.each_ref().map(|plane| &**plane), y * row, y * row + n);
+                let cells = part(shared(&target.planes), y * row, y * row + n);
                 drop_dark::<T, L, W>(cells, whole, &mut target.lit.as_chunks_mut().0[y]);
             }
         }
@@ -242,14 +242,19 @@ fn together<T: Real, const L: usize, const W: usize>(
     }
 }
 
-/// The runs of chunks with any bit in them.
+/// The runs of chunks with any bit in them, or with few chunks between such.
 #[inline(always)]
 fn runs<const L: usize, const W: usize>(lit: &Row<W>, n: usize) -> impl Iterator<Item = Run> {
+    /// To begin another run costs about as much as so many chunks.
+    const BRIDGED: usize = 2;
     let is_lit = move |x: &usize| chunk(lit[*x / 64], *x, L) != 0;
     let mut from = 0;
     std::iter::from_fn(move || {
         let start = (from..n).step_by(L).find(is_lit)?;
-        let end = (start..n).step_by(L).find(|x| !is_lit(x)).unwrap_or(n);
+        let mut end = start;
+        while let Some(next) = (end..n.min(end + (BRIDGED + 1) * L)).step_by(L).find(is_lit) {
+            end = next + L;
+        }
         from = end;
         Some(Run { start, end })
     })
@@ -312,7 +317,7 @@ fn look<T: Real, const L: usize, const W: usize>(
     tally: &mut Tally,
 ) {
     let (start, end) = (y * layout.steps()[1], y * layout.steps()[1] + layout.side());
-    let row = part(target.planes.each_ref().map(|plane| &**plane), start, end);
+    let row = part(shared(&target.planes), start, end);
     mark::<T, L, W>(row, run, lit, &mut target.marks.as_chunks_mut().0[y]);
     if order.energy {
         add_up(row[0], run, lanes);
@@ -330,6 +335,12 @@ fn look<T: Real, const L: usize, const W: usize>(
 fn is_dark_around(lit: &[u64], words: usize, z: usize) -> bool {
     let around = &lit[z.saturating_sub(1) * words..lit.len().min((z + 2) * words)];
     around.iter().fold(0, |any, word| any | word) == 0
+}
+
+/// The planes, to read.
+#[inline(always)]
+fn shared<'a, T>([c, x, y, z]: &'a [&mut [T]; 4]) -> [&'a [T]; 4] {
+    [c, x, y, z]
 }
 
 /// A run of cells in some rows.
@@ -350,8 +361,8 @@ fn compute<T: Real, const L: usize>(work: Work<'_, T>, target: &mut Target<'_, T
         chunks: cells / L,
         planes: source.planes,
         at: source.first + z * slab + begin,
-        target: target.planes.each_mut().map(|plane| &mut plane[begin..]),
-        sum: target.sum.as_mut().map(|sum| sum.each_mut().map(|plane| &mut plane[begin..])),
+        target: behind(&mut target.planes, begin),
+        sum: target.sum.as_mut().map(|sum| behind(sum, begin)),
     };
     row::run::<T, L>(*instructions, job);
     if is_whole {
