@@ -296,13 +296,14 @@ fn holds_no_news<T: Real, const W: usize>(work: Work<'_, T>, target: &Target<'_,
 fn clear_gaps<T: Real>(rows: &mut [T], n: usize, step: usize) {
     for row in rows.chunks_exact_mut(step) {
         // Gaps are a few cells: a store or two, where filling would be a call.
-        let (fours, rest) = row[n..].as_chunks_mut::<4>();
-        match fours {
-            [one] => *one = [T::ZERO; 4],
-            [one, two] => (*one, *two) = ([T::ZERO; 4], [T::ZERO; 4]),
-            more => more.as_flattened_mut().fill(T::ZERO),
+        match &mut row[n..] {
+            [one] => *one = T::ZERO,
+            gap => match gap.as_chunks_mut::<4>() {
+                ([one], []) => *one = [T::ZERO; 4],
+                ([one, two], []) => (*one, *two) = ([T::ZERO; 4], [T::ZERO; 4]),
+                _ => gap.fill(T::ZERO),
+            },
         }
-        rest.fill(T::ZERO);
     }
 }
 
