@@ -131,10 +131,10 @@ fn kernels(args: &BenchArgs, folder: &Folder) -> Result<(), CliError> {
         [] => vec![1],
         some => some.to_vec(),
     };
-    let plan =
-        benchmark::Plan { sizes: args.sizes.clone(), threads: threads.clone(), rounds: usize::from(args.rounds) };
+    let pools = threads.into_iter().map(benchmark::pool).collect::<Result<Vec<_>, _>>()?;
+    let plan = benchmark::Plan { sizes: args.sizes.clone(), rounds: usize::from(args.rounds) };
     let bar = if std::io::stderr().is_terminal() { ProgressBar::new_spinner() } else { ProgressBar::hidden() };
-    let rows = benchmark::kernels(&plan, |now| {
+    let rows = benchmark::kernels(&plan, &pools, |now| {
         bar.set_message(now.to_owned());
         bar.tick();
     })?;
@@ -143,10 +143,10 @@ fn kernels(args: &BenchArgs, folder: &Folder) -> Result<(), CliError> {
     let table = table(&rows);
     print!("{}", table.to_text());
     println!("\ntriad_fraction counts {} bytes a cell and iteration", benchmark::BYTES_PER_CELL);
-    for threads in threads {
-        print_pipeline(&benchmark::on(threads, || Pipeline::measure(101))?);
+    for pool in &pools {
+        print_pipeline(&pool.install(|| Pipeline::measure(101))?);
     }
-    print_fading(&benchmark::on(1, Fading::measure)?);
+    print_fading(&benchmark::pool(1)?.install(Fading::measure)?);
     let mut csv = Vec::new();
     table.write_csv(&mut csv).map_err(|e| CliError::Failed(format!("kernels.csv: {e}")))?;
     folder.write("kernels.csv", csv)?;

@@ -13,6 +13,8 @@ mod triad;
 
 use std::time::Instant;
 
+use rayon::ThreadPool;
+
 use crate::propagate::scheme::{self, Scheme};
 use crate::scene::SceneError;
 use crate::simulation::SimulationError;
@@ -50,8 +52,6 @@ pub enum BenchmarkError {
 pub struct Plan {
     /// Sides of the volumes, powers of two.
     pub sizes: Vec<usize>,
-    /// Numbers of threads.
-    pub threads: Vec<usize>,
     /// Rounds over all loops; the median of them is reported.
     pub rounds: usize,
 }
@@ -104,13 +104,18 @@ struct Series {
     bytes: usize,
 }
 
-/// Measures everything in the plan; `tell` hears what comes next.
-pub fn kernels(plan: &Plan, mut tell: impl FnMut(&str)) -> Result<Vec<KernelRow>, BenchmarkError> {
+/// Measures everything in the plan, each number of threads in the one of the `pools` that has it; `tell` hears
+/// what comes next.
+pub fn kernels(
+    plan: &Plan,
+    pools: &[ThreadPool],
+    mut tell: impl FnMut(&str),
+) -> Result<Vec<KernelRow>, BenchmarkError> {
     let mut rows = Vec::new();
-    let pools = plan.threads.iter().map(|threads| pool(*threads)).collect::<Result<Vec<_>, _>>()?;
+    let threads: Vec<usize> = pools.iter().map(ThreadPool::current_num_threads).collect();
     for &size in &plan.sizes {
         let mut series: Vec<Series> = Vec::new();
-        let mut bandwidth = vec![Vec::new(); plan.threads.len()];
+        let mut bandwidth = vec![Vec::new(); pools.len()];
         let (mut dense, mut triad) = (Dense::new(size), Triad::new());
         for round in 1..=plan.rounds {
             for (pool, bandwidth) in pools.iter().zip(&mut bandwidth) {
@@ -122,7 +127,7 @@ pub fn kernels(plan: &Plan, mut tell: impl FnMut(&str)) -> Result<Vec<KernelRow>
             }
         }
         let bandwidth: Vec<f64> = bandwidth.iter_mut().map(|passes| median(passes)).collect();
-        rows.extend(table(size, series, &plan.threads, &bandwidth));
+        rows.extend(table(size, series, &threads, &bandwidth));
     }
     Ok(rows)
 }
@@ -142,14 +147,6 @@ fn once(size: usize, dense: &mut Dense, series: &mut Vec<Series>) -> Result<(), 
         keep(series, ("cascaded", threads, case.name), sample, bytes);
     }
     Ok(())
-}
-
-/// Does the work on so many threads.
-pub fn on<R: Send>(
-    threads: usize,
-    work: impl FnOnce() -> Result<R, BenchmarkError> + Send,
-) -> Result<R, BenchmarkError> {
-    pool(threads)?.install(work)
 }
 
 /// The loops that are worth timing for a scheme: the baseline is written for one scheme and one thread.
@@ -197,7 +194,8 @@ fn table(size: usize, series: Vec<Series>, threads: &[usize], bandwidth: &[f64])
     series.iter().map(row).collect()
 }
 
-fn pool(threads: usize) -> Result<rayon::ThreadPool, BenchmarkError> {
+/// So many threads. A pool takes a while to spread over the cores, so it is best kept for all measurements.
+pub fn pool(threads: usize) -> Result<ThreadPool, BenchmarkError> {
     let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     built.map_err(|why| BenchmarkError::Threads { threads, why: why.to_string() })
 }
@@ -225,7 +223,8 @@ mod tests {
 
     #[test]
     fn a_plan_measures_every_loop_and_says_what_was_skipped() {
-        let rows = kernels(&Plan { sizes: vec![32], threads: vec![1, 2], rounds: 1 }, |_| ()).unwrap();
+        let pools = [1, 2].map(|threads| pool(threads).unwrap());
+        let rows = kernels(&Plan { sizes: vec![32], rounds: 1 }, &pools, |_| ()).unwrap();
         let find = |kernel: &str, threads: usize| {
             let row = rows.iter().find(|r| (r.scheme, r.kernel, r.threads) == ("cascaded", kernel, threads));
             row.unwrap_or_else(|| panic!("{kernel} on {threads}"))

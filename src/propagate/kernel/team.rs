@@ -15,9 +15,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How long a thread without work looks out for more. Longer than what lies between two iterations, and
-/// short enough that nobody minds when none comes.
-const PATIENCE: Duration = Duration::from_micros(500);
+/// How long a thread without work looks out for more. Longer than what lies between two iterations, or
+/// frames of a small scene, and short enough that nobody minds when none comes.
+const PATIENCE: Duration = Duration::from_millis(1);
 
 /// Does the work on a thread of a pool: here, if this is one, else in everybody's pool.
 pub fn inside<R: Send>(work: impl FnOnce() -> R + Send) -> R {
