@@ -110,7 +110,7 @@ pub(super) fn grain(layout: Layout) -> usize {
     [1, 2, 4, 8].into_iter().find(|rows| (rows * row).is_multiple_of(LANES)).unwrap_or(LANES)
 }
 
-/// Takes a slab one iteration further.
+/// Takes a slab one iteration further. Its side is a power of two up to 1024.
 pub(super) fn advance<T: Real>(work: Work<'_, T>, target: &mut Target<'_, T>) -> Tally {
     // Cells at a time, and words a row.
     match work.layout.side() {

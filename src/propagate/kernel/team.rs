@@ -6,9 +6,9 @@
 //! soon sleeps; to be woken takes it, on a virtual machine above all, as long as a small level's whole
 //! iteration. So threads look out for more a while longer, [`PATIENCE`], before they do.
 //!
-//! And the thread that hands out the work should be one of those that do it. Where it only waits for them it
-//! keeps its core just long enough for the system to put two of them on the other one, where they
-//! take turns for many iterations. Whoever runs simulations is best [inside](inside) a pool throughout.
+//! And the thread that hands out the work should be one of those that do it. One that only waits for them
+//! keeps its core just long enough for the system to put two of them on the other, where they take turns
+//! for many iterations. So whoever runs simulations is best [`inside`] a pool throughout.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -63,10 +63,11 @@ pub fn share<P: Send, R: Send + Sync>(pieces: Vec<P>, work: impl Fn(P) -> R + Sy
 
 /// Asks the pool's other threads to stay awake: there will be several calls of [`share`] in a row.
 pub fn stay_awake() {
-    let caller = rayon::current_thread_index();
-    if rayon::current_num_threads() > 1 && caller.is_some() {
-        rayon::spawn_broadcast(move |thread| {
-            if Some(thread.index()) != caller {
+    let Some(caller) = rayon::current_thread_index() else { return };
+    for _ in 1..rayon::current_num_threads() {
+        rayon::spawn(move || {
+            // The caller gets it back where nobody else has taken it, and has better things to do.
+            if rayon::current_thread_index() != Some(caller) {
                 look_out();
             }
         });
@@ -88,4 +89,53 @@ fn look_out() {
         }
     }
     LOOKS_OUT.set(false);
+}
+
+#[cfg(test)]
+mod tests {
+    use std::panic::{AssertUnwindSafe, catch_unwind};
+
+    use super::*;
+
+    fn pool(threads: usize) -> rayon::ThreadPool {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
+    }
+
+    #[test]
+    fn every_piece_is_done_once_and_results_keep_their_order() {
+        for threads in [1, 2, 3, 5] {
+            let rounds = || {
+                for count in [0, 1, 2, 7, 64] {
+                    stay_awake();
+                    let mut numbers = vec![0; count];
+                    for round in 1..=20 {
+                        let pieces: Vec<&mut usize> = numbers.iter_mut().collect();
+                        let found = share(pieces, |number| {
+                            *number += 1;
+                            *number
+                        });
+                        assert_eq!(found, vec![round; count], "{threads} threads");
+                    }
+                    let squares: Vec<usize> = (0..count).map(|i| i * i).collect();
+                    assert_eq!(share((0..count).collect(), |i: usize| i * i), squares);
+                }
+            };
+            pool(threads).install(rounds);
+        }
+    }
+
+    #[test]
+    fn pieces_may_be_shared_from_outside_of_any_pool() {
+        assert_eq!(share(vec![1, 2, 3], |i| 2 * i), [2, 4, 6]);
+        assert!(inside(|| rayon::current_thread_index().is_some()));
+    }
+
+    #[test]
+    fn a_panic_in_a_piece_reaches_the_caller_and_leaves_the_threads_alive() {
+        pool(2).install(|| {
+            let broken = |i| if i == 5 { panic!("as asked") } else { i };
+            assert!(catch_unwind(AssertUnwindSafe(|| share((0..8).collect(), broken))).is_err());
+            assert_eq!(share(vec![1, 2, 3], |i| i), [1, 2, 3]);
+        });
+    }
 }
