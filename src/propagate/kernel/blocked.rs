@@ -169,7 +169,8 @@ impl<T: Real> Pass<'_, T> {
     fn advance(&self, part: &mut Part<'_, T>, t: usize, z: usize, rows: Run) -> Tally {
         let [a, b] = &mut part.light;
         let [a_lit, b_lit] = &mut part.lit;
-        let (from, from_lit, to, to_lit) = if t % 2 == 0 { (a, a_lit, b, b_lit) } else { (b, b_lit, a, a_lit) };
+        let (from, from_lit, to, to_lit) =
+            if t.is_multiple_of(2) { (a, a_lit, b, b_lit) } else { (b, b_lit, a, a_lit) };
         let need = self.need.map(|need| slab_of(need[t], z));
         let z = z - part.slabs.start;
         let mut target = part.tied.target(self.layout, z, to, to_lit);
