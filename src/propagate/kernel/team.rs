@@ -4,7 +4,7 @@
 //! every time finds none of it in its cache; so every thread begins with the pieces that were its own the
 //! last time, and only then helps out with those that others have not begun. And a thread that has nothing to do
 //! soon sleeps; to be woken takes it, on a virtual machine above all, as long as a small level's whole
-//! iteration. So threads look out for more a while longer, [`PATIENCE`], before they do.
+//! iteration. So threads look out for more a while longer before they do.
 //!
 //! And the thread that hands out the work should be one of those that do it. One that only waits for them
 //! keeps its core just long enough for the system to put two of them on the other, where they take turns
