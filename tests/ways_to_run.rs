@@ -252,3 +252,19 @@ fn actions_in_any_order_never_meet_stale_knowledge() {
         assert!(quick.index() == straight.index(), "{order:?}");
     }
 }
+
+#[test]
+fn what_is_left_out_is_told_apart() {
+    let mut scene = preset("one-lobe.ron");
+    // So small a factor that light fades before it has reached everything.
+    scene.propagation.factor = 0.05;
+    scene.propagation.iterations = 60;
+    let count = |skip| stepped(&scene, Options { skip, ..Options::default() }).work();
+    let (both, nothing) = (count(Skip::default()), count(Skip::NOTHING));
+    let no_reach = count(Skip { reach: false, ..Skip::default() });
+    let no_dark = count(Skip { dark: false, ..Skip::default() });
+    assert_eq!((nothing.share(), nothing.dark), (1.0, 0));
+    assert!(both.dark > 0 && no_reach.dark > 0 && no_dark.dark == 0);
+    assert!(both.visited + both.dark < both.volume);
+    assert!(no_dark.visited >= both.visited + both.dark);
+}

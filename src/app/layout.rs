@@ -154,11 +154,12 @@ impl Lab {
                 p.cells,
                 mib(p.now_bytes),
             ));
-            let skipped = ui.label(format!("·  {:.0} % visited", 100.0 * p.visited));
-            skipped.on_hover_text(
-                "The share of the cells that the iterations so far computed; the others cannot hold light yet, or have \
-                 gone dark again, so the result is the same to the last bit",
-            );
+            let skipped = ui.label(format!("·  {:.0} % visited", 100.0 * p.work.share()));
+            skipped.on_hover_text(format!(
+                "{}. What the iterations so far left out cannot hold light yet, or has gone dark again, so the result \
+                 is the same to the last bit",
+                p.work
+            ));
             let waited = self.waiting.is_some_and(|since| ui.input(|input| input.time) - since > 0.3);
             if waited || p.until.is_some() {
                 match p.until {

@@ -17,6 +17,7 @@ use super::compare::Rival;
 use super::look::{Cloud, Look, Pin, PinSample, Shown};
 use super::track::Measured;
 use crate::scene::{Preset, Scene};
+use crate::simulation::options::Work;
 use crate::simulation::{Action, Change};
 use crate::study::ballistic::Ballistic;
 use crate::study::error::Metric;
@@ -101,8 +102,8 @@ pub struct Progress {
     pub brightest: [usize; 3],
     /// How long the last action took, in seconds.
     pub seconds: f64,
-    /// The share of the cells that the iterations so far had to compute.
-    pub visited: f64,
+    /// How much the iterations so far had to compute.
+    pub work: Work,
     /// Measurements that are still to come: iterations, once for each metric.
     pub behind: usize,
 }

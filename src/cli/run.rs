@@ -53,9 +53,22 @@ pub struct RunArgs {
     /// Stop once all light still to come is proved to be at most this part of the accumulated light
     #[arg(long, value_name = "PART")]
     tolerance: Option<f64>,
-    /// Compute every cell, even those that cannot matter; the results are the same to the last bit
-    #[arg(long)]
-    no_skip: bool,
+    /// Leave nothing out that cannot matter, or nothing for these reasons; the results are the same to the
+    /// last bit
+    #[arg(long, value_name = "REASON,...", num_args = 0..=1, require_equals = true, value_delimiter = ',',
+          default_missing_value = "reach,dark,channels")]
+    no_skip: Vec<Reason>,
+}
+
+/// Why something need not be computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Reason {
+    /// Light cannot have reached a cell yet
+    Reach,
+    /// A cell has gone dark again
+    Dark,
+    /// A colour is a multiple of another one
+    Channels,
 }
 
 /// An axis and a cell along it.
@@ -112,7 +125,7 @@ impl RunArgs {
             theme: ThemeArg::Light,
             ballistic: false,
             tolerance: None,
-            no_skip: false,
+            no_skip: Vec::new(),
         }
     }
 
@@ -120,7 +133,13 @@ impl RunArgs {
         if let Some(part) = self.tolerance.filter(|part| !(part.is_finite() && *part >= 0.0)) {
             return Err(CliError::Input(format!("--tolerance {part}: write a finite number, zero or more")));
         }
-        let skip = if self.no_skip { Skip::NOTHING } else { Skip::default() };
+        let keeps = |reason| !self.no_skip.contains(&reason);
+        let skip = Skip {
+            reach: keeps(Reason::Reach),
+            dark: keeps(Reason::Dark),
+            channels: keeps(Reason::Channels),
+            ..Skip::default()
+        };
         Ok(Options { tolerance: self.tolerance, skip, ..Options::default() })
     }
 
@@ -157,6 +176,8 @@ struct Summary<'a> {
     undefined: usize,
     /// Cells computed over cells in the volume, all iterations, levels and channels.
     visited: f64,
+    /// Cells left out because their light has gone dark, over cells in the volume.
+    dark: f64,
 }
 
 /// Does the command.
@@ -207,14 +228,19 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         relative_mean: thesis.map_or(0.0, |row| row.relative_mean),
         undefined: thesis.map_or(0, |row| row.undefined),
         visited: simulation.work().share(),
+        dark: simulation.work().dark_share(),
     };
     let text = ron::ser::to_string_pretty(&summary, ron::ser::PrettyConfig::new())
         .map_err(|e| CliError::Failed(format!("summary.ron: {e}")))?;
     folder.write("summary.ron", text.as_bytes())?;
     println!(
-        "{} iterations in {seconds:.3} s, {:.1} % of the cells visited; results in {}",
+        "{} iterations in {seconds:.3} s, {}, {}; results in {}",
         simulation.iteration(),
-        100.0 * simulation.work().share(),
+        simulation.work(),
+        match simulation.channels().count() {
+            1 => "1 channel for 3 colours".to_owned(),
+            count => format!("{count} channels for 3 colours"),
+        },
         folder.path().display()
     );
     if let Some(bound) = simulation.still_to_come() {

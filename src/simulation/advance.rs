@@ -125,7 +125,7 @@ impl<T: Real> Simulation<T> {
             std::mem::swap(&mut light.source, &mut light.target);
         }
         let volume = self.sizes.cells() * self.lights.len();
-        self.count(Work { visited: volume, volume });
+        self.engine.work += Work { visited: volume, dark: 0, volume };
         self.engine.known = None;
         self.iteration += 1;
     }
@@ -144,7 +144,7 @@ impl<T: Real> Simulation<T> {
         });
         let (options, threads) = (self.engine.options, rayon::current_num_threads());
         let only_merged = wanted == Wanted::Merged && options.skip.unmerged;
-        let mut visited = 0;
+        let mut work = Work::default();
         let mut uncovered: Option<Marks> = None;
         for (i, form) in self.engine.forms.iter().enumerate() {
             let needs = if only_merged && i > 0 {
@@ -160,6 +160,7 @@ impl<T: Real> Simulation<T> {
                 (0..iterations).map(|t| &needs[(iterations - 1 - t).min(needs.len() - 1)]).collect()
             });
             let Some(form) = form else { continue };
+            let mut visited = 0;
             for (colour, (light, known)) in self.lights.iter_mut().zip(&mut known).enumerate() {
                 let mut stage = Stage {
                     source: light.source.level_mut(i),
@@ -174,15 +175,14 @@ impl<T: Real> Simulation<T> {
                 let iterations = self.iteration..self.iteration + iterations;
                 visited += stage.advance((form, &options), threads, &mut known[i], iterations, needs.as_deref());
             }
+            let times = self.lights.len() * iterations;
+            let had_light = if needs.is_none() { self.index.level(i).count() * times } else { 0 };
+            let volume = self.sizes.side(i).pow(3) * times;
+            work += Work { visited, dark: had_light.saturating_sub(visited), volume };
         }
         self.engine.known = Some(known);
-        self.count(Work { visited, volume: self.sizes.cells() * self.lights.len() * iterations });
+        self.engine.work += work;
         self.iteration += iterations;
-    }
-
-    pub(super) fn count(&mut self, work: Work) {
-        self.engine.work.visited += work.visited;
-        self.engine.work.volume += work.volume;
     }
 }
 

@@ -1,6 +1,8 @@
 //! How iterations are carried out. None of it changes a bit of the light, but for the choice of kernel
 //! (rounding) and the tolerance (iterations left out).
 
+use std::fmt;
+
 pub use crate::propagate::kernel::Instructions;
 
 /// How a simulation carries its iterations out. It does so on the threads of the rayon pool that it is in.
@@ -78,6 +80,9 @@ pub enum Wanted {
 pub struct Work {
     /// Cells that were computed, over all iterations, levels and channels.
     pub visited: usize,
+    /// Cells that were left out though they had light once: it has gone dark. At least so many, as cells are
+    /// computed by the chunk; the rest of what was left out had none yet.
+    pub dark: usize,
     /// Cells there are, counted once for each iteration, level and colour that is carried.
     pub volume: usize,
 }
@@ -86,5 +91,31 @@ impl Work {
     /// The part of the volume that was computed, 0 to 1; 1 if nothing was to be done.
     pub fn share(&self) -> f64 {
         if self.volume == 0 { 1.0 } else { self.visited as f64 / self.volume as f64 }
+    }
+
+    /// The part of the volume that was left out because its light has gone dark, 0 to 1.
+    pub fn dark_share(&self) -> f64 {
+        if self.volume == 0 { 0.0 } else { self.dark as f64 / self.volume as f64 }
+    }
+}
+
+impl std::ops::AddAssign for Work {
+    fn add_assign(&mut self, other: Work) {
+        self.visited += other.visited;
+        self.dark += other.dark;
+        self.volume += other.volume;
+    }
+}
+
+/// In per cent, what was computed and why the rest was not.
+impl fmt::Display for Work {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [visited, dark] = [self.share(), self.dark_share()].map(|share| 100.0 * share);
+        write!(f, "{visited:.1} % of the cells visited")?;
+        match (self.volume - self.visited.min(self.volume), self.dark) {
+            (0, _) => Ok(()),
+            (_, 0) => write!(f, " (no light had reached the others)"),
+            _ => write!(f, " ({:.1} % not reached yet, {dark:.1} % dark again)", 100.0 - visited - dark),
+        }
     }
 }

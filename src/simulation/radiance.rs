@@ -172,7 +172,7 @@ impl<T: Real> Simulation<T> {
         }
         let volume = Levels::cells(&self.sizes) * self.lights.len();
         let finest = self.sizes.finest().pow(3) * self.lights.len();
-        self.count(Work { visited: finest, volume });
+        self.engine.work += Work { visited: finest, dark: 0, volume };
         self.iteration += 1;
     }
 }

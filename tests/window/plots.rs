@@ -138,6 +138,9 @@ fn what_was_skipped_is_told() {
     let share: f64 = text.trim_start_matches("·  ").trim_end_matches(" % visited").parse().unwrap();
     // Five iterations from one cell of 8³ do not reach all of it.
     assert!(share > 0.0 && share < 100.0, "{text}");
+    told.hover();
+    harness.run_steps(90);
+    assert!(harness.query_by_label_contains("not reached yet").is_some());
 }
 
 #[test]

@@ -340,7 +340,7 @@ impl Desk {
             merged: self.merged,
             brightest: self.brightest,
             seconds: self.seconds,
-            visited: track.now().work().share(),
+            work: track.now().work(),
             behind: self.behind(),
         };
         self.tell(News::Done { change, progress });
