@@ -4,6 +4,8 @@
 //! says it all. The index of a finest cell is the least over the levels, and the merged light there
 //! is S(x, y, z) = O_I(x / 2^I, …).
 
+use rayon::prelude::*;
+
 use super::grid::{Cell, Grid};
 use super::octree::{Levels, Octree};
 use crate::sh::Real;
@@ -73,7 +75,7 @@ impl Marks {
     /// Marks every cell of `grid`, which is of the same side, that is not dark.
     pub fn mark_lit<T: Real>(&mut self, grid: &Grid<T>) {
         let n = self.n;
-        for (row, words) in self.words.chunks_exact_mut(self.words_per_row).enumerate() {
+        let mark = |(row, words): (usize, &mut [u64])| {
             let planes = grid.row(row % n, row / n);
             for from in (0..n).step_by(RUN) {
                 let run = from..n.min(from + RUN);
@@ -84,7 +86,10 @@ impl Marks {
                     words[x / 64] |= 1 << (x % 64);
                 }
             }
-        }
+        };
+        // Fewer cells are not worth another thread's while.
+        const ALONE: usize = 1 << 16;
+        self.words.par_chunks_exact_mut(self.words_per_row).enumerate().with_min_len(ALONE / n).for_each(mark);
     }
 
     /// The cells of half as large a grid that have a marked cell among their eight children. The side must be two

@@ -34,6 +34,7 @@ mod sweep;
 use super::reference;
 use crate::field::Grid;
 use crate::propagate::kernel::form::{Form, Share};
+use crate::propagate::kernel::team;
 use crate::propagate::stencil::Stencil;
 use crate::scene::occluder::OcclusionMode;
 use crate::scene::{Propagation, Scene};
@@ -181,6 +182,7 @@ impl Solver {
         light: &mut Grid<f32>,
         watch: &mut impl FnMut(f64) -> bool,
     ) -> Result<Option<Found>, Refusal> {
+        team::stay_awake();
         if !self.head.run(injected, light) {
             return Err(Refusal::Clamped { scheme: self.scheme.clone() });
         }

@@ -94,6 +94,13 @@ fn beside<T, const L: usize>(plane: &[T], at: usize, step: usize, chunks: usize)
     [chunked(&plane[at - step..], chunks), chunked(&plane[at + step..], chunks)]
 }
 
+/// [`beside`] in all planes. Written out, like [`behind`].
+#[inline(always)]
+fn all_beside<T, const L: usize>(planes: [&[T]; 4], at: usize, step: usize, chunks: usize) -> [Beside<'_, T, L>; 4] {
+    let [c, x, y, z] = planes;
+    [beside(c, at, step, chunks), beside(x, at, step, chunks), beside(y, at, step, chunks), beside(z, at, step, chunks)]
+}
+
 /// The first `chunks` · L numbers, by the chunk.
 #[inline(always)]
 pub(super) fn chunked<T, const L: usize>(numbers: &[T], chunks: usize) -> &[[T; L]] {
@@ -206,10 +213,9 @@ fn clamped<T: Real, const L: usize, const SIDES: bool, const SUM: bool>(
     let out = |target, sum| Out::<T, L, SUM>::new(target, sum, chunks);
     let (mut to_c, mut to_x) = (out(to_c, sum_c), out(to_x, sum_x));
     let (mut to_y, mut to_z) = (out(to_y, sum_y), out(to_z, sum_z));
-    let [c, u, v, w] = planes;
-    let beside = |plane, step| beside::<T, L>(plane, at, step, chunks);
-    let along = |step| [beside(c, step), beside(u, step), beside(v, step), beside(w, step)];
-    let (x, y, z) = (along(steps[0]), along(steps[1]), along(steps[2]));
+    let [x, y, z] = steps;
+    let (x, y, z) =
+        (all_beside(planes, at, x, chunks), all_beside(planes, at, y, chunks), all_beside(planes, at, z, chunks));
     for k in 0..chunks {
         let mut sums = [[T::ZERO; L]; 4];
         let [c, a, b, d] = &mut sums;

@@ -5,10 +5,9 @@
 //! from unbroken rows of the other. The 2 × 2 × 2 children of a coarse cell are four cells of each half, all
 //! with j the coarse x.
 
-use rayon::prelude::*;
-
 use super::lit::Lit;
 use crate::field::Grid;
+use crate::propagate::kernel::team;
 
 /// Where the cells of a half lie: slab by slab, in each the four planes, all with a dark border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,41 +101,47 @@ pub fn parity(h: usize, y: usize, z: usize) -> usize {
 }
 
 /// Sets the `lit` rows of both halves to those of a grid; the sum of the squares of all numbers.
-pub fn split(grid: &Grid<f32>, lit: &Lit, [even, odd]: &mut [Half; 2]) -> f64 {
+pub fn split<'a>(grid: &Grid<f32>, lit: &Lit, [even, odd]: &'a mut [Half; 2]) -> f64 {
     let shape = Shape { n: grid.side() };
-    let mut squares = 0.0;
-    for (y, z) in lit.all() {
-        let start = grid.layout().row_start(y, z);
-        let (first, second) = if (y + z) % 2 == 0 { (&mut *even, &mut *odd) } else { (&mut *odd, &mut *even) };
-        let mut sum = [0.0; 2];
-        for (plane, numbers) in grid.planes().iter().enumerate() {
-            let at = Half::at(shape, z) + plane * shape.plane() + shape.start(y);
-            let pairs = first.numbers[at..].iter_mut().zip(&mut second.numbers[at..]);
-            for ((first, second), pair) in pairs.zip(numbers[start..][..shape.n].chunks_exact(2)) {
-                (*first, *second) = (pair[0], pair[1]);
-                sum[0] += f64::from(pair[0]).powi(2);
-                sum[1] += f64::from(pair[1]).powi(2);
+    let slab = |(z, (even, odd)): (usize, (&mut [f32], &mut [f32]))| -> f64 {
+        let mut squares = 0.0;
+        for y in lit.rows(z) {
+            let start = grid.layout().row_start(y, z);
+            let (first, second) = if (y + z) % 2 == 0 { (&mut *even, &mut *odd) } else { (&mut *odd, &mut *even) };
+            let mut sum = [0.0; 2];
+            for (plane, numbers) in grid.planes().iter().enumerate() {
+                let at = plane * shape.plane() + shape.start(y);
+                let pairs = first[at..].iter_mut().zip(&mut second[at..]);
+                for ((first, second), pair) in pairs.zip(numbers[start..][..shape.n].chunks_exact(2)) {
+                    (*first, *second) = (pair[0], pair[1]);
+                    sum[0] += f64::from(pair[0]).powi(2);
+                    sum[1] += f64::from(pair[1]).powi(2);
+                }
             }
+            squares += sum[0] + sum[1];
         }
-        squares += sum[0] + sum[1];
-    }
-    squares
+        squares
+    };
+    let slabs = |half: &'a mut Half| half.slabs_mut(shape).chunks_mut(shape.slab());
+    team::share(slabs(even).zip(slabs(odd)).enumerate().collect(), slab).iter().sum()
 }
 
 /// Adds both halves to a grid, half 1 being the sum of two.
 pub fn join(even: &Half, odd: [&Half; 2], lit: &Lit, grid: &mut Grid<f32>) {
     let shape = Shape { n: grid.side() };
     let layout = grid.layout();
-    grid.planes_mut().into_par_iter().enumerate().for_each(|(plane, numbers)| {
+    team::share(grid.planes_mut().into_iter().enumerate().collect(), |(plane, numbers): (usize, &mut [f32])| {
         for (y, z) in lit.all() {
             let row = &mut numbers[layout.row_start(y, z)..][..shape.n];
             let at = Half::at(shape, z) + plane * shape.plane() + shape.start(y);
             let [even, odd, more] = [even, odd[0], odd[1]].map(|half| &half.numbers[at..][..shape.width()]);
-            let s = (y + z) % 2;
-            for (pair, (even, (odd, more))) in row.chunks_exact_mut(2).zip(even.iter().zip(odd.iter().zip(more))) {
+            let is_even_first = (y + z) % 2 == 0;
+            let (pairs, _) = row.as_chunks_mut::<2>();
+            for (pair, (even, (odd, more))) in pairs.iter_mut().zip(even.iter().zip(odd.iter().zip(more))) {
                 let odd = odd + more;
-                let both = if s == 0 { [*even, odd] } else { [odd, *even] };
-                pair.iter_mut().zip(both).for_each(|(cell, light)| *cell += light);
+                let [first, second] = if is_even_first { [*even, odd] } else { [odd, *even] };
+                pair[0] += first;
+                pair[1] += second;
             }
         }
     });

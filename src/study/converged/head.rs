@@ -3,7 +3,7 @@
 use crate::field::{Grid, Marks};
 use crate::propagate::kernel::form::Form;
 use crate::propagate::kernel::step::{pieces, step};
-use crate::propagate::kernel::{Instructions, Level, Order, lies_in_cone};
+use crate::propagate::kernel::{Instructions, Level, Order, lies_in_cone, team};
 
 /// The most steps taken.
 const MOST_STEPS: usize = 16;
@@ -42,16 +42,19 @@ impl Head {
     /// came to that.
     pub fn run(&mut self, injected: &Grid<f32>, sum: &mut Grid<f32>) -> bool {
         let Head { order, cone, source, source_lit, target, target_lit, marks } = self;
-        source.copy_from(injected);
+        let planes = injected.planes().iter().zip(source.planes_mut()).zip(sum.planes_mut());
+        team::share(planes.collect(), |((injected, source), sum): ((&Vec<f32>, &mut [f32]), &mut [f32])| {
+            source.copy_from_slice(injected);
+            sum.copy_from_slice(injected);
+        });
         source_lit.clear();
-        source_lit.mark_lit(source);
+        source_lit.mark_lit(injected);
         if cone.is_infinite() || lies_in_cone(source, source_lit, *cone) {
             sum.clear();
             return true;
         }
-        sum.copy_from(source);
         for _ in 0..MOST_STEPS {
-            let pieces = pieces(rayon::current_num_threads(), source_lit.count());
+            let pieces = pieces(rayon::current_num_threads(), source_lit.cells_in_touched_words());
             let mut level = Level { source, source_lit, target, target_lit, sum: None, marks };
             let tally = step(order, &mut level, pieces, None);
             std::mem::swap(source, target);

@@ -3,11 +3,11 @@
 use std::ops::Range;
 
 use multiversion::multiversion;
-use rayon::prelude::*;
 
 use super::halves::{Half, Shape, parity};
 use super::lit::Lit;
 use crate::propagate::kernel::form::Share;
+use crate::propagate::kernel::team;
 
 /// Cells computed at a time.
 const LANES: usize = 16;
@@ -18,9 +18,13 @@ const PARALLEL_FROM: usize = 500;
 
 /// Sets the `lit` rows of half `h` to what the other half sends.
 pub fn send(shape: Shape, share: &Share<f32>, h: usize, lit: &Lit, other: &Half, to: &mut Half) {
-    let slab = |(z, to): (usize, &mut [f32])| sent(shape, share, [h, z], lit.rows(z), other.around(shape, z), to);
-    let slabs = to.slabs_mut(shape).par_chunks_mut(shape.slab()).enumerate();
-    slabs.with_min_len(shape.n.div_ceil(pieces(lit))).for_each(slab);
+    let piece = shape.n.div_ceil(pieces(lit));
+    let run = |(i, to): (usize, &mut [f32])| {
+        for (z, to) in (i * piece..).zip(to.chunks_mut(shape.slab())) {
+            sent(shape, share, [h, z], lit.rows(z), other.around(shape, z), to);
+        }
+    };
+    team::share(to.slabs_mut(shape).chunks_mut(piece * shape.slab()).enumerate().collect(), run);
 }
 
 /// One sweep from `x` to `next` on half 0:
@@ -61,7 +65,8 @@ pub fn sweep(shape: Shape, share: &Share<f32>, length: f32, lit: &Lit, [b, x]: [
         (first..).zip(next.chunks_mut(shape.slab())).map(slab).collect()
     };
     // A sum a slab, added in order: so many threads, the same sum.
-    let sums: Vec<Vec<f64>> = next.slabs_mut(shape).par_chunks_mut(piece * shape.slab()).enumerate().map(run).collect();
+    let pieces = next.slabs_mut(shape).chunks_mut(piece * shape.slab()).enumerate().collect();
+    let sums: Vec<Vec<f64>> = team::share(pieces, run);
     sums.iter().flatten().sum()
 }
 
@@ -180,12 +185,20 @@ fn finish(shape: Shape, length: f32, lit: Range<usize>, [b, x]: [&[f32]; 2], nex
         let (b, x, next) = (&b[run.clone()], &x[run.clone()], &mut next[run]);
         for ((next, b), x) in next.chunks_mut(BLOCK).zip(b.chunks(BLOCK)).zip(x.chunks(BLOCK)) {
             let mut lanes = [0.0f32; LANES];
-            for ((next, b), x) in next.chunks_mut(LANES).zip(b.chunks(LANES)).zip(x.chunks(LANES)) {
-                for (((next, b), x), lane) in next.iter_mut().zip(b).zip(x).zip(&mut lanes) {
-                    let rest = (b + *next) - x;
-                    *next = x + length * rest;
-                    *lane += rest * rest;
+            let ((next, more), (b, more_b), (x, more_x)) =
+                (next.as_chunks_mut::<LANES>(), b.as_chunks::<LANES>(), x.as_chunks::<LANES>());
+            let (b, x) = (&b[..next.len()], &x[..next.len()]);
+            for k in 0..next.len() {
+                for j in 0..LANES {
+                    let rest = (b[k][j] + next[k][j]) - x[k][j];
+                    next[k][j] = x[k][j] + length * rest;
+                    lanes[j] += rest * rest;
                 }
+            }
+            for j in 0..more.len() {
+                let rest = (more_b[j] + more[j]) - more_x[j];
+                more[j] = more_x[j] + length * rest;
+                lanes[j] += rest * rest;
             }
             squares += lanes.iter().copied().map(f64::from).sum::<f64>();
         }
