@@ -24,8 +24,8 @@ pub mod stepper;
 mod sweep;
 
 use glam::DVec3;
-use rayon::prelude::*;
 
+use super::kernel::team;
 use super::transparency::Transparency;
 use crate::field::Grid;
 use directions::{Direction, Lattice};
@@ -100,21 +100,54 @@ impl Ordinates {
     /// What arrives in each cell, Σ_j F_j·Y(u_j), once all injected light has gone all its way. A cell's own
     /// light is not in it.
     pub fn solve(&self, injected: &Grid<f32>, occluders: Option<&Transparency>) -> Grid<f32> {
+        let mut arrived = Grid::new(injected.side());
+        self.solve_in(&mut Room::new(injected.side()), injected, occluders, &mut arrived);
+        arrived
+    }
+
+    /// [`Self::solve`] with memory that is there already; all grids are of one size.
+    pub fn solve_in(
+        &self,
+        room: &mut Room,
+        injected: &Grid<f32>,
+        occluders: Option<&Transparency>,
+        arrived: &mut Grid<f32>,
+    ) {
         let lit = sweep::lit_rows(injected);
-        let pieces: Vec<Grid<f32>> = self
-            .octants
-            .par_chunks(self.octants.len() / PIECES)
-            .map(|octants| {
-                let mut arrived = Grid::new(injected.side());
-                octants
-                    .iter()
-                    .for_each(|octant| sweep::sweep(octant, self.rule, (injected, &lit), occluders, &mut arrived));
-                arrived
-            })
-            .collect();
-        let mut sum = Grid::new(injected.side());
-        pieces.iter().for_each(|piece| sum.add_grid(piece));
-        sum
+        let octants = self.octants.chunks(self.octants.len() / PIECES);
+        team::share(octants.zip(&mut room.pieces).collect(), |(octants, Piece { under_way, arrived }): (&[_], _)| {
+            arrived.clear();
+            for octant in octants {
+                sweep::sweep(octant, self.rule, (injected, &lit), occluders, under_way, arrived);
+            }
+        });
+        let planes = arrived.planes_mut().into_iter().enumerate();
+        team::share(planes.collect(), |(p, plane): (usize, &mut [f32])| {
+            plane.fill(0.0);
+            for piece in &room.pieces {
+                plane.iter_mut().zip(&piece.arrived.planes()[p]).for_each(|(sum, c)| *sum += c);
+            }
+        });
+    }
+}
+
+/// The memory of a sweep, to be used again.
+#[derive(Clone, Debug)]
+pub struct Room {
+    pieces: [Piece; PIECES],
+}
+
+/// The memory of one piece of it.
+#[derive(Clone, Debug)]
+struct Piece {
+    under_way: Vec<Lanes>,
+    arrived: Grid<f32>,
+}
+
+impl Room {
+    /// Room for an n³ grid.
+    pub fn new(n: usize) -> Self {
+        Room { pieces: std::array::from_fn(|_| Piece { under_way: Vec::new(), arrived: Grid::new(n) }) }
     }
 }
 

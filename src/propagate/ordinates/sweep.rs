@@ -10,34 +10,35 @@ use multiversion::multiversion;
 
 use super::shares::Rule;
 use super::{Group, LANES, Lanes, Octant};
-use crate::field::Grid;
+use crate::field::{Grid, Marks};
 use crate::propagate::kernel::FLOOR;
 use crate::propagate::transparency::Transparency;
 use crate::sh::{K0, K1, Sh};
 
 /// Where a grid is lit: for every row (y, z), y fastest, the cells from its first to its last lit one.
 pub(super) fn lit_rows(grid: &Grid<f32>) -> Vec<Range<usize>> {
-    let (layout, planes) = (grid.layout(), grid.planes());
-    let n = layout.side();
-    let row = |i: usize| {
-        let start = layout.row_start(i % n, i / n);
-        let lit = |x: &usize| planes.iter().any(|plane| plane[start + x] != 0.0);
-        let last = (0..n).rev().find(lit);
-        last.map_or(n..n, |last| (0..n).find(lit).unwrap_or(last)..last + 1)
+    let mut lit = Marks::new(grid.side());
+    lit.mark_lit(grid);
+    let row = |words: &[u64]| {
+        let first = words.iter().position(|word| *word != 0).map(|w| 64 * w + words[w].trailing_zeros() as usize);
+        let end = words.iter().rposition(|word| *word != 0).map(|w| 64 * (w + 1) - words[w].leading_zeros() as usize);
+        first.unwrap_or(grid.side())..end.unwrap_or(grid.side())
     };
-    (0..n * n).map(row).collect()
+    lit.words().chunks_exact(lit.words_per_row()).map(row).collect()
 }
 
-/// Adds what arrives in each cell to `arrived`; `lit` are the [`lit_rows`] of the injected light.
+/// Adds what arrives in each cell to `arrived`; `lit` are the [`lit_rows`] of the injected light, `under_way` is
+/// memory to use.
 pub(super) fn sweep(
     octant: &Octant,
     rule: Rule,
     (injected, lit): (&Grid<f32>, &[Range<usize>]),
     occluders: Option<&Transparency>,
+    under_way: &mut Vec<Lanes>,
     arrived: &mut Grid<f32>,
 ) {
     if !octant.groups.is_empty() {
-        best(octant, rule, (injected, lit), occluders, arrived);
+        best(octant, rule, (injected, lit), occluders, under_way, arrived);
     }
 }
 
@@ -47,11 +48,12 @@ fn best(
     rule: Rule,
     (injected, lit): (&Grid<f32>, &[Range<usize>]),
     occluders: Option<&Transparency>,
+    under_way: &mut Vec<Lanes>,
     arrived: &mut Grid<f32>,
 ) {
     match rule {
-        Rule::Donor => any::<true>(octant, (injected, lit), occluders, arrived),
-        Rule::Faces => any::<false>(octant, (injected, lit), occluders, arrived),
+        Rule::Donor => any::<true>(octant, (injected, lit), occluders, under_way, arrived),
+        Rule::Faces => any::<false>(octant, (injected, lit), occluders, under_way, arrived),
     }
 }
 
@@ -60,6 +62,7 @@ fn any<const DONOR: bool>(
     octant: &Octant,
     (injected, lit): (&Grid<f32>, &[Range<usize>]),
     occluders: Option<&Transparency>,
+    under_way: &mut Vec<Lanes>,
     arrived: &mut Grid<f32>,
 ) {
     let layout = injected.layout();
@@ -67,9 +70,10 @@ fn any<const DONOR: bool>(
     let groups = &octant.groups;
     let along = |axis: usize, i: usize| if octant.backwards[axis] { n - 1 - i } else { i };
     let dark = [0.0; LANES];
-    let mut by_z = vec![dark; n * n * groups.len()];
-    let mut by_y = vec![dark; n * groups.len()];
-    let mut by_x = vec![dark; groups.len()];
+    under_way.clear();
+    under_way.resize((n * n + n + 1) * groups.len(), dark);
+    let (by_z, rest) = under_way.split_at_mut(n * n * groups.len());
+    let (by_y, by_x) = rest.split_at_mut(n * groups.len());
     let sums = arrived.planes_mut();
     // From which cell on, in the order of the wind, the rows of the last slab may be lit.
     let mut slab_from = vec![n; n];
@@ -135,7 +139,8 @@ impl Group {
     ) -> [Lanes; 3] {
         let mut leaves = [[0.0; LANES]; 3];
         for l in 0..LANES {
-            let flux = came[0][l] + came[1][l] + came[2][l];
+            // The next cell along x waits for what comes of the first.
+            let flux = came[0][l] + (came[1][l] + came[2][l]);
             sum[0][l] += flux;
             for j in 0..3 {
                 sum[1 + j][l] += flux * self.way[j][l];

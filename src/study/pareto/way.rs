@@ -4,9 +4,9 @@ use std::time::Instant;
 
 use crate::field::Grid;
 use crate::propagate::levels::Policy;
-use crate::propagate::ordinates::Ordinates;
 use crate::propagate::ordinates::directions::Lattice;
 use crate::propagate::ordinates::shares::Rule;
+use crate::propagate::ordinates::{Ordinates, Room};
 use crate::propagate::scheme;
 use crate::propagate::transparency::Transparency;
 use crate::scene::occluder::OcclusionMode;
@@ -139,8 +139,12 @@ impl Way {
                 Ok(Outcome { all: Some(all), moved, iterations, seconds })
             }
             Way::Ordinates(_, ordinates) => {
+                let mut room = Room::new(scene.size);
+                let mut moved: Vec<Grid<f32>> = lights.clone().map(|_| Grid::new(scene.size)).collect();
                 let started = Instant::now();
-                let moved = lights.map(|light| ordinates.solve(light, occluders.as_ref())).collect();
+                for (light, moved) in lights.zip(&mut moved) {
+                    ordinates.solve_in(&mut room, light, occluders.as_ref(), moved);
+                }
                 Ok(Outcome { all: None, moved, iterations: 1, seconds: started.elapsed().as_secs_f64() })
             }
         }
