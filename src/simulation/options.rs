@@ -110,12 +110,31 @@ impl std::ops::AddAssign for Work {
 /// In per cent, what was computed and why the rest was not.
 impl fmt::Display for Work {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [visited, dark] = [self.share(), self.dark_share()].map(|share| 100.0 * share);
-        write!(f, "{visited:.1} % of the cells visited")?;
-        match (self.volume - self.visited.min(self.volume), self.dark) {
-            (0, _) => Ok(()),
-            (_, 0) => write!(f, " (no light had reached the others)"),
-            _ => write!(f, " ({:.1} % not reached yet, {dark:.1} % dark again)", 100.0 - visited - dark),
-        }
+        let volume = self.volume.max(1) as f64;
+        let per_cent = |cells: usize| 100.0 * cells as f64 / volume;
+        write!(f, "{:.1} % of the cells visited", 100.0 * self.share())?;
+        let unreached = self.volume.saturating_sub(self.visited + self.dark);
+        let reasons = [(unreached, "not reached yet"), (self.dark, "dark again")].map(|(c, why)| (per_cent(c), why));
+        // What would be written as nothing is not worth a word.
+        let told: Vec<String> = reasons
+            .iter()
+            .filter(|(share, _)| *share >= 0.05)
+            .map(|(share, why)| format!("{share:.1} % {why}"))
+            .collect();
+        if told.is_empty() { Ok(()) } else { write!(f, " ({})", told.join(", ")) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_computed_is_told_with_the_reasons_for_the_rest() {
+        let told = |visited, dark, volume| Work { visited, dark, volume }.to_string();
+        assert_eq!(told(0, 0, 0), "100.0 % of the cells visited");
+        assert_eq!(told(99_999, 1, 100_000), "100.0 % of the cells visited");
+        assert_eq!(told(250, 0, 1000), "25.0 % of the cells visited (75.0 % not reached yet)");
+        assert_eq!(told(250, 150, 1000), "25.0 % of the cells visited (60.0 % not reached yet, 15.0 % dark again)");
     }
 }

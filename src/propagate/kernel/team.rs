@@ -50,7 +50,7 @@ pub fn share<P: Send, R: Send + Sync>(pieces: Vec<P>, work: impl Fn(P) -> R + Sy
         }
     };
     rayon::scope(|scope| {
-        (1..threads).for_each(|_| scope.spawn(|_| take_part()));
+        (1..threads.min(count)).for_each(|_| scope.spawn(|_| take_part()));
         take_part();
         // The scope would fall asleep while it waits for the others' last pieces.
         let until = Instant::now() + PATIENCE;
