@@ -3,7 +3,7 @@
 //! [`plain`] is the definition. The others give the same light faster: [`form`] finds in a stencil the
 //! few numbers that its symmetry leaves, `row` computes a row of cells from them, `slab` a slab of rows
 //! with what may be skipped in it (`found` looks at what came out), [`step`] one iteration, [`among`] one
-//! among occluders, and [`blocked`] several in one pass over memory.
+//! among occluders, and [`blocked`] several in one pass over memory. [`team`] is how threads share that work.
 
 pub mod among;
 pub mod blocked;
