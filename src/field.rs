@@ -9,5 +9,5 @@ mod octree;
 
 pub use channels::{Channels, Share};
 pub use grid::{Cell, Grid, Layout};
-pub use index_volume::{IndexVolume, Marks};
+pub use index_volume::{IndexVolume, Marks, row_mask};
 pub use octree::{Levels, Octree, downsample_into, mean_of_children};

@@ -6,11 +6,13 @@ use std::ffi::OsString;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use ron::error::SpannedError;
+
 use super::lab::Lab;
 use super::recovery::Recovery;
 use super::settings::Settings;
-use crate::scene::SceneError;
-use crate::scene::file;
+use crate::scene::error::Place;
+use crate::scene::{SceneError, file};
 
 /// The longest file that is read here, in bytes; settings take a few thousand.
 const LONGEST: u64 = 1 << 20;
@@ -105,6 +107,12 @@ fn read<T>(path: &Path, parse: impl Fn(&str, &Path) -> Result<T, SceneError>) ->
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
         _ => parse(&file::read_text(path, LONGEST)?, path).map(Some),
     }
+}
+
+/// A fault that RON's parser found in a file that the window keeps.
+pub(super) fn fault(error: &SpannedError, file: &Path, remedy: &str) -> SceneError {
+    let place = Place { line: error.span.start.line, column: Some(error.span.start.col) };
+    SceneError::file(file, place, error.code.to_string(), remedy)
 }
 
 /// Renames what cannot be read; whether that went well, and a line that tells of it.

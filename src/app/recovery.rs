@@ -14,8 +14,7 @@ use std::time::SystemTime;
 use serde::{Deserialize, Serialize};
 
 use super::document::Document;
-use super::home::put_aside;
-use crate::scene::error::Place;
+use super::home::{fault, put_aside};
 use crate::scene::{Preset, SceneError, file};
 use slot::Slot;
 
@@ -49,10 +48,8 @@ impl Unsaved {
     }
 
     fn load(path: &Path) -> Result<Self, SceneError> {
-        dialect().from_str(&file::read_text(path, LONGEST)?).map_err(|error| {
-            let place = Place { line: error.span.start.line, column: Some(error.span.start.col) };
-            SceneError::file(path, place, error.code.to_string(), "this is no unsaved work of this program")
-        })
+        let found = dialect().from_str(&file::read_text(path, LONGEST)?);
+        found.map_err(|error| fault(&error, path, "this is no unsaved work of this program"))
     }
 }
 

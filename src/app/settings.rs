@@ -7,10 +7,10 @@ use ron::ser::PrettyConfig;
 use serde::{Deserialize, Serialize};
 
 use super::errors::Plots;
+use super::home::fault;
 use super::look::Layer;
 use super::view::View;
 use crate::scene::SceneError;
-use crate::scene::error::Place;
 
 /// How many recent presets are remembered.
 const MOST_RECENT: usize = 8;
@@ -60,11 +60,9 @@ impl Settings {
     /// Reads settings; `name` is the file that errors name. Numbers that cannot be chosen are taken as the nearest
     /// that can.
     pub fn parse(text: &str, name: &Path) -> Result<Self, SceneError> {
-        let settings: Settings = ron::from_str(text).map_err(|error| {
-            let (line, column) = (error.span.start.line, error.span.start.col);
-            let place = Place { line, column: Some(column) };
-            SceneError::file(name, place, error.code.to_string(), "these are no settings that this program wrote")
-        })?;
+        let settings: Result<Settings, _> = ron::from_str(text);
+        let settings =
+            settings.map_err(|error| fault(&error, name, "these are no settings that this program wrote"))?;
         Ok(settings.within_bounds())
     }
 
@@ -76,14 +74,12 @@ impl Settings {
 
     fn within_bounds(mut self) -> Self {
         let usual = Settings::default();
-        let View { full, decades, .. } = usual.view;
-        self.past_mib = self.past_mib.clamp(*PAST.start(), *PAST.end());
-        self.pace = if self.pace.is_nan() { usual.pace } else { self.pace.clamp(*PACE.start(), *PACE.end()) };
+        self.past_mib = nearest(self.past_mib, PAST, usual.past_mib);
+        self.pace = nearest(self.pace, PACE, usual.pace);
         self.recent.truncate(MOST_RECENT);
         let view = &mut self.view;
-        view.full = if view.full.is_nan() { full } else { view.full.clamp(*FULL.start(), *FULL.end()) };
-        view.decades =
-            if view.decades.is_nan() { decades } else { view.decades.clamp(*DECADES.start(), *DECADES.end()) };
+        view.full = nearest(view.full, FULL, usual.view.full);
+        view.decades = nearest(view.decades, DECADES, usual.view.decades);
         view.index = view.index.min(BEYOND);
         if let Layer::Level(level) = &mut view.layer {
             *level = (*level).min(BEYOND);
@@ -104,6 +100,17 @@ impl Settings {
         self.recent.retain(|known| known != path);
         self.recent.insert(0, path.to_path_buf());
         self.recent.truncate(MOST_RECENT);
+    }
+}
+
+/// The number in the range that is nearest; the `usual` one for what is not a number.
+fn nearest<T: PartialOrd + Copy>(number: T, range: RangeInclusive<T>, usual: T) -> T {
+    let (low, high) = (*range.start(), *range.end());
+    match number {
+        n if n < low => low,
+        n if n > high => high,
+        n if range.contains(&n) => n,
+        _ => usual,
     }
 }
 

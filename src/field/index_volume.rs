@@ -120,6 +120,12 @@ impl Marks {
     }
 }
 
+/// The bits that each word of an n³ grid's [`Marks`] uses: all but in the one word of a row shorter than it.
+#[inline(always)]
+pub fn row_mask(n: usize) -> u64 {
+    if n < 64 { (1 << n) - 1 } else { u64::MAX }
+}
+
 /// Bit i of the result: whether bit 2i or bit 2i + 1 is set.
 fn pairs(word: u64) -> u64 {
     let mut bits = (word | word >> 1) & 0x5555_5555_5555_5555;
@@ -178,7 +184,7 @@ impl IndexVolume {
         let finest = &self.marks[0];
         for (row, words) in finest.words.chunks_exact(finest.words_per_row).enumerate() {
             for (w, lit) in words.iter().enumerate() {
-                let mut dark = !lit & (u64::MAX >> (64 - finest.n.min(64)));
+                let mut dark = !lit & row_mask(finest.n);
                 while dark != 0 {
                     let cell = [64 * w + dark.trailing_zeros() as usize, row % finest.n, row / finest.n];
                     let i = self.index(cell);

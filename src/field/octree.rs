@@ -173,6 +173,17 @@ mod tests {
     }
 
     #[test]
+    fn rows_are_downsampled_to_what_every_cell_by_itself_gives() {
+        let mut finer = Grid::<f32>::new(8);
+        for (i, cell) in finer.layout().cells().enumerate() {
+            finer.set(cell, Sh([0.1, -0.7, 1.3, 1e-7]) * (1.0 / (i + 1) as f32));
+        }
+        let mut coarser = Grid::new(4);
+        downsample_into(&finer, &mut coarser);
+        assert!(coarser.iter().all(|(cell, light)| light == mean_of_children(&finer, cell)));
+    }
+
+    #[test]
     fn a_parent_is_the_mean_of_its_own_eight_children() {
         let mut octree = Octree::<f64>::new(Levels::new(4, 1).unwrap());
         octree.level_mut(0).set([3, 0, 2], Sh([8.0, 16.0, -8.0, 4.0]));

@@ -4,7 +4,7 @@
 //! its six neighbours: a bit a cell, and a few operations for sixty-four of them. The bits never leave
 //! out a lit cell, so that skipping what they leave out changes no bit of the result.
 
-use crate::field::Marks;
+use crate::field::{Marks, row_mask};
 
 /// The words of one row, as many as [`Marks::words_per_row`]; the bits behind its end are zero.
 pub type Row<const W: usize> = [u64; W];
@@ -40,12 +40,6 @@ pub fn reached<const W: usize>(rows: &[Row<W>], n: usize, row: usize) -> Row<W> 
     // The shift may have gone over the end of a short row.
     reached[W - 1] &= row_mask(n);
     reached
-}
-
-/// The bits that a row's last word uses.
-#[inline(always)]
-pub fn row_mask(n: usize) -> u64 {
-    if n < 64 { (1 << n) - 1 } else { u64::MAX }
 }
 
 /// Where light may be one iteration later.

@@ -11,8 +11,8 @@ use super::engine::Stage;
 use super::occlusion::accumulate;
 use super::options::{Kernel, Options, Wanted, Work};
 use super::{Action, Light, Simulation, step};
-use crate::field::{IndexVolume, Marks};
-use crate::propagate::active::{grown, row_mask};
+use crate::field::{IndexVolume, Marks, row_mask};
+use crate::propagate::active::grown;
 use crate::propagate::kernel::occluded::Which;
 use crate::propagate::kernel::team;
 use crate::scene::preset::Snapshots;
@@ -190,9 +190,10 @@ impl<T: Real> Simulation<T> {
 /// that was looked at and has had no light. `finer` are those of the next finer level; `None` for all.
 fn sampled(index: &IndexVolume, i: usize, finer: Option<&Marks>) -> Marks {
     let lit = index.level(i - 1);
+    let mask = row_mask(lit.side());
     let mut open = Marks::new(lit.side());
     for (w, (open, lit)) in open.words_mut().iter_mut().zip(lit.words()).enumerate() {
-        *open = !lit & row_mask(index.sizes().side(i - 1)) & finer.map_or(u64::MAX, |finer| finer.words()[w]);
+        *open = !lit & mask & finer.map_or(u64::MAX, |finer| finer.words()[w]);
     }
     open.parents()
 }

@@ -35,7 +35,7 @@ impl Default for Options {
 /// Which loops carry an iteration out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Kernel {
-    /// The fast ones wherever the scheme has the shape for them and no occluder acts.
+    /// The fast ones wherever the scheme has the shape for them.
     #[default]
     Fast,
     /// The definition, always.

@@ -4,12 +4,18 @@ use lpv_lab::study::error::Metric;
 
 use crate::driver::*;
 
-#[test]
-fn propagators_are_compared_and_their_difference_is_shown() {
+/// A small scene that was run, with its views side by side.
+fn comparing() -> Window {
     let mut harness = window(SMALL);
     click(&mut harness, "Run all");
     harness.key_press(egui::Key::F3);
     settle(&mut harness);
+    harness
+}
+
+#[test]
+fn propagators_are_compared_and_their_difference_is_shown() {
+    let mut harness = comparing();
     set_number(&mut harness, "Propagator B factor", 2.0);
     choose(&mut harness, "Propagator B scheme", "cascaded");
     click(&mut harness, "Run again");
@@ -26,10 +32,7 @@ fn propagators_are_compared_and_their_difference_is_shown() {
 
 #[test]
 fn two_iterations_are_compared() {
-    let mut harness = window(SMALL);
-    click(&mut harness, "Run all");
-    harness.key_press(egui::Key::F3);
-    settle(&mut harness);
+    let mut harness = comparing();
     click(&mut harness, "Two iterations");
     set_number(&mut harness, "Compared iteration", 2.0);
     let lab = lab(&harness);
@@ -39,10 +42,7 @@ fn two_iterations_are_compared() {
 
 #[test]
 fn references_are_compared_and_their_differences_are_true() {
-    let mut harness = window(SMALL);
-    click(&mut harness, "Run all");
-    harness.key_press(egui::Key::F3);
-    settle(&mut harness);
+    let mut harness = comparing();
     choose(&mut harness, "Propagator B scheme", "Uniform volume");
     click(&mut harness, "Add propagator or reference");
     choose(&mut harness, "Propagator C scheme", "What truly arrives");
@@ -69,10 +69,7 @@ fn references_are_compared_and_their_differences_are_true() {
 
 #[test]
 fn differences_are_those_of_the_views_on_every_level_and_of_every_light() {
-    let mut harness = window(SMALL);
-    click(&mut harness, "Run all");
-    harness.key_press(egui::Key::F3);
-    settle(&mut harness);
+    let mut harness = comparing();
     choose(&mut harness, "Propagator B scheme", "axial");
     click(&mut harness, "Add propagator or reference");
     choose(&mut harness, "Propagator C scheme", "Uniform volume");

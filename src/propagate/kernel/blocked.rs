@@ -90,9 +90,12 @@ pub(super) fn in_waves<T: Real>(
         from..if slabs.end == n { n } else { slabs.end - t - 1 }
     };
     let mut tally = Pass { order, layout, iterations, rows, need }.over(level, &ends, shrinking);
+    if inner.is_empty() {
+        return tally;
+    }
     // The wedges, each slab of which is a piece.
     let is_near = |z: usize, t: usize| inner.iter().any(|end| z < end + t + 1 && z + t + 1 >= *end);
-    for t in 0..if inner.is_empty() { 0 } else { iterations } {
+    for t in 0..iterations {
         let ends: Vec<usize> = (1..=n).filter(|z| *z == n || is_near(z - 1, t) || is_near(*z, t)).collect();
         let mut turned = level.turned(t);
         let wanted = |slabs: &Range<usize>| is_near(slabs.start, t);

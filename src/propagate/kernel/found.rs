@@ -59,13 +59,9 @@ pub(super) fn add_up<T: Real, const L: usize>(plane: &[T], run: Run, lanes: &mut
 /// Whether ‖direction‖ ≤ r·c00 in every cell of a grid that is dark where `lit` has no bit.
 pub fn lies_in_cone<T: Real>(grid: &Grid<T>, lit: &Marks, r: f64) -> bool {
     let (n, per_row) = (grid.side(), lit.words_per_row());
-    let [c, x, y, z] = grid.planes();
-    lit.words().chunks_exact(per_row).enumerate().filter(|(_, words)| words.iter().any(|word| *word != 0)).all(
-        |(row, _)| {
-            let start = grid.layout().row_start(row % n, row / n);
-            within_cone(part([c, x, y, z], start, start + n), r)
-        },
-    )
+    let rows = lit.words().chunks_exact(per_row).enumerate();
+    rows.filter(|(_, words)| words.iter().any(|word| *word != 0))
+        .all(|(row, _)| within_cone(grid.row(row % n, row / n), r))
 }
 
 /// Whether c00 is at least ‖direction‖ / r in every cell, in f64, where no square is lost.

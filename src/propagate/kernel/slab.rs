@@ -7,8 +7,8 @@ use super::FLOOR;
 use super::form::Form;
 use super::found::{Run, add_up, chunk, drop_dark, mark, part, within_cone};
 use super::row::{self, Job, behind};
-use crate::field::Layout;
-use crate::propagate::active::{Row, reached, row_mask};
+use crate::field::{Layout, row_mask};
+use crate::propagate::active::{Row, reached};
 use crate::sh::Real;
 
 /// Cells computed at a time: an AVX-512 register of f32, two of AVX2, four of SSE or NEON.

@@ -146,11 +146,10 @@ impl Dense {
 
 /// Gives every cell the light; the padding stays dark.
 fn fill(grid: &mut Grid<f32>) {
-    let (layout, n) = (grid.layout(), grid.side());
-    for (plane, c) in grid.planes_mut().into_iter().zip(LIGHT.0) {
-        for row in 0..n * n {
-            let start = layout.row_start(row % n, row / n);
-            plane[start..start + n].fill(c);
+    let n = grid.side();
+    for row in 0..n * n {
+        for (plane, c) in grid.row_mut(row % n, row / n).into_iter().zip(LIGHT.0) {
+            plane.fill(c);
         }
     }
 }
