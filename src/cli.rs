@@ -17,7 +17,7 @@ use std::path::PathBuf;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
-use crate::propagate::kernel::team;
+use crate::transport::team;
 
 pub use bench::BenchArgs;
 pub use load::{SceneArgs, open};

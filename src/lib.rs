@@ -19,9 +19,10 @@
 pub mod app;
 pub mod cli;
 pub mod field;
-pub mod propagate;
 pub mod report;
 pub mod scene;
 pub mod sh;
 pub mod simulation;
 pub mod study;
+pub mod system;
+pub mod transport;

@@ -9,23 +9,25 @@ pub mod error;
 pub mod file;
 pub mod injector;
 pub mod occluder;
+pub mod ordinates;
 pub mod preset;
+pub mod propagation;
 
-mod blockers;
 mod npy;
 mod occluder_file;
 mod place;
 mod region;
 mod rows;
+mod solids;
 mod syntax;
 
 use std::path::Path;
 
 pub use error::SceneError;
 pub use occluder::Occlusion;
-pub use preset::{Preset, Propagation};
-
-pub use crate::propagate::geometry::Blocker;
+pub use preset::Preset;
+pub use propagation::Propagation;
+pub use solids::Solid;
 
 use crate::field::Cell;
 use crate::sh::Sh;
@@ -45,7 +47,7 @@ pub struct Scene {
     /// The light of each enabled injector, in the preset's order. Where they share cells they add.
     pub sources: Vec<Source>,
     /// The occupied cells, each once, z slowest and x fastest.
-    pub blockers: Vec<Blocker>,
+    pub solids: Vec<Solid>,
     /// How occupied cells act.
     pub occlusion: Occlusion,
     /// How light is propagated.
@@ -84,7 +86,7 @@ impl Scene {
             size: preset.size,
             coarsest: preset.coarsest,
             sources,
-            blockers: blockers::resolve(filled, preset.size),
+            solids: solids::resolve(filled, preset.size),
             occlusion: preset.occlusion,
             propagation: preset.propagation.clone(),
         })
@@ -186,7 +188,7 @@ mod tests {
             ..Preset::default()
         };
         let scene = Scene::build(&preset, Path::new("")).unwrap();
-        assert_eq!((scene.sources.len(), scene.sources[0].light.len(), scene.blockers.len()), (1, 12, 0));
+        assert_eq!((scene.sources.len(), scene.sources[0].light.len(), scene.solids.len()), (1, 12, 0));
     }
 
     #[test]

@@ -32,14 +32,15 @@ use ceiling::Ceiling;
 pub use ceiling::{Divergence, limit};
 
 use crate::field::{Channels, Grid, IndexVolume, Levels, Marks, Octree, memory};
-use crate::propagate::kernel::occluded::Which;
-use crate::propagate::kernel::plain;
-use crate::propagate::levels::{self, Policy};
-use crate::propagate::scheme::Scheme;
-use crate::propagate::stencil::Stencil;
 use crate::scene::Scene;
-use crate::scene::preset::{Propagation, Snapshots};
+use crate::scene::propagation::Policy;
+use crate::scene::propagation::{Propagation, Snapshots};
 use crate::sh::Real;
+use crate::transport::lattice::kernel::occluded::Which;
+use crate::transport::lattice::kernel::plain;
+use crate::transport::lattice::levels;
+use crate::transport::lattice::scheme::Scheme;
+use crate::transport::lattice::stencil::Stencil;
 
 use engine::Engine;
 use error::refuse_what_does_not_fit;

@@ -248,10 +248,10 @@ fn a_file_injector_brings_its_light_and_takes_the_multiplier() {
 fn an_occluder_file_may_bring_normals_and_opacity() {
     let lists = "occluders: [(kind: File(path: \"cells.csv\"), opacity: 0.5, albedo: (1, 0, 0.5))]";
     let text = "x,y,z,nx,ny,nz,opacity\n1,2,3,0,-2,0,0.5\n0,0,0,3,0,4,1\n2,2,2,1,0,0,0\n";
-    let blockers = scene_with(text, lists).expect("a scene").blockers;
+    let solids = scene_with(text, lists).expect("a scene").solids;
     let expected = [([0, 0, 0], DVec3::new(0.6, 0.0, 0.8), 0.5), ([1, 2, 3], DVec3::NEG_Y, 0.25)];
-    assert_eq!(blockers.len(), expected.len());
-    for (found, (cell, normal, opacity)) in blockers.iter().zip(expected) {
+    assert_eq!(solids.len(), expected.len());
+    for (found, (cell, normal, opacity)) in solids.iter().zip(expected) {
         assert_eq!((found.cell, found.opacity, found.albedo), (cell, opacity, [1.0, 0.0, 0.5]));
         assert!((found.normal - normal).length() < 1e-15);
     }

@@ -5,7 +5,7 @@ use assert_cmd::Command;
 use glam::DVec3;
 use lpv_lab::field::Layout;
 use lpv_lab::scene::occluder::OcclusionMode;
-use lpv_lab::scene::{Blocker, Occlusion, Propagation, Scene, Source};
+use lpv_lab::scene::{Occlusion, Propagation, Scene, Solid, Source};
 use lpv_lab::sh::Sh;
 use lpv_lab::study::compare::{self, Finding, Reference};
 
@@ -15,7 +15,7 @@ fn lobe(iterations: usize) -> Scene {
         size: 32,
         coarsest: 1,
         sources: vec![Source { color: [1.0, 0.5, 0.0], light: vec![([16; 3], Sh::lobe(DVec3::X))] }],
-        blockers: Vec::new(),
+        solids: Vec::new(),
         occlusion: Occlusion::default(),
         propagation: Propagation { iterations, factor: 3.0, ..Propagation::default() },
     }
@@ -24,11 +24,11 @@ fn lobe(iterations: usize) -> Scene {
 /// A light before a closed wall.
 fn walled(mode: OcclusionMode) -> Scene {
     let wall = Layout::new(8).cells().filter(|cell| cell[0] == 4);
-    let block = |cell| Blocker { cell, normal: DVec3::NEG_X, opacity: 1.0, albedo: [0.0; 3] };
+    let block = |cell| Solid { cell, normal: DVec3::NEG_X, opacity: 1.0, albedo: [0.0; 3] };
     Scene {
         size: 8,
         sources: vec![Source { color: [1.0; 3], light: vec![([1, 3, 3], Sh::lobe(DVec3::X))] }],
-        blockers: wall.map(block).collect(),
+        solids: wall.map(block).collect(),
         occlusion: Occlusion { mode, ..Occlusion::default() },
         ..lobe(12)
     }
@@ -81,7 +81,7 @@ fn no_scheme_comes_near_what_truly_arrives_from_one_lobe() {
 
 #[test]
 fn fuzzy_walls_leak_hard_ones_do_not_and_none_hold_nothing_back() {
-    for scheme in lpv_lab::propagate::scheme::names() {
+    for scheme in lpv_lab::transport::lattice::schemes::names() {
         let leak = |mode| against_uniform(&walled(mode), scheme).leak.unwrap();
         assert_eq!(leak(OcclusionMode::Hard), 0.0, "{scheme}");
         let (fuzzy, free) = (leak(OcclusionMode::Fuzzy), leak(OcclusionMode::Off));

@@ -4,8 +4,8 @@
 
 use std::path::Path;
 
-use lpv_lab::propagate::levels::Policy;
 use lpv_lab::scene::Scene;
+use lpv_lab::scene::propagation::Policy;
 use lpv_lab::simulation::Simulation;
 use lpv_lab::study::error::{self, ErrorRow};
 use lpv_lab::study::reference;
@@ -95,7 +95,7 @@ fn consistent_levels_are_better_on_scenes_that_they_were_not_made_for() {
 #[test]
 fn both_snapshot_modes_agree_on_what_coarser_levels_hold() {
     // All modes sum the same light with other weights: copy first = thesis + without injected.
-    use lpv_lab::scene::preset::Snapshots::{CopyFirst, Thesis, WithoutInjected};
+    use lpv_lab::scene::propagation::Snapshots::{CopyFirst, Thesis, WithoutInjected};
     let [copy, thesis, without] = [CopyFirst, Thesis, WithoutInjected].map(|snapshots| {
         let mut scene = preset("corner-lobe.ron");
         scene.propagation.snapshots = snapshots;

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use glam::DVec3;
-use lpv_lab::scene::preset::Propagation;
+use lpv_lab::scene::Propagation;
 use lpv_lab::scene::{Occlusion, Scene, Source};
 use lpv_lab::sh::Sh;
 use lpv_lab::simulation::Simulation;
@@ -17,7 +17,7 @@ fn one_lobe_gives_the_errors_of_figure_15() {
         size: 32,
         coarsest: 2,
         sources: vec![Source { color: [1.0; 3], light: vec![([16, 16, 16], Sh::lobe(DVec3::X))] }],
-        blockers: Vec::new(),
+        solids: Vec::new(),
         occlusion: Occlusion::default(),
         propagation: Propagation { iterations: 32, ..Propagation::default() },
     };

@@ -9,10 +9,10 @@ use std::process::Output;
 use std::time::Duration;
 
 use assert_cmd::Command;
-use lpv_lab::field::memory;
 use lpv_lab::scene::preset::Preset;
 use lpv_lab::scene::{Scene, cell_file};
 use lpv_lab::simulation::{Simulation, SimulationError};
+use lpv_lab::system::memory;
 use tempfile::TempDir;
 
 /// Far above what any of these may take, far below for ever.

@@ -222,7 +222,7 @@ fn every_preset_loads_says_what_to_look_for_and_lights_something() {
         let (preset, scene) = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
         assert!(!preset.title.is_empty(), "{path:?}");
         assert!(scene.sources.iter().any(|source| !source.light.is_empty()), "{path:?}");
-        assert_eq!(preset.occluders.is_empty(), scene.blockers.is_empty(), "{path:?}");
+        assert_eq!(preset.occluders.is_empty(), scene.solids.is_empty(), "{path:?}");
         assert_eq!(Preset::parse(&preset.to_ron(), &path).as_ref(), Ok(&preset), "{path:?}");
     }
 }

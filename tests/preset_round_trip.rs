@@ -3,14 +3,14 @@
 
 use std::path::{Path, PathBuf};
 
-use lpv_lab::propagate::levels::Policy;
-use lpv_lab::propagate::ordinates::directions::Lattice;
-use lpv_lab::propagate::ordinates::setting::{MOST_DIRECTIONS, Setting};
-use lpv_lab::propagate::ordinates::shares::Rule;
 use lpv_lab::scene::cell_file::Column;
 use lpv_lab::scene::injector::{Injector, InjectorKind, Side};
 use lpv_lab::scene::occluder::{Accumulate, Axis, BlockingSign, Occluder, OccluderKind, OcclusionMode};
-use lpv_lab::scene::preset::Snapshots;
+use lpv_lab::scene::ordinates::Lattice;
+use lpv_lab::scene::ordinates::Rule;
+use lpv_lab::scene::ordinates::{MOST_DIRECTIONS, Setting};
+use lpv_lab::scene::propagation::Policy;
+use lpv_lab::scene::propagation::Snapshots;
 use lpv_lab::scene::{Occlusion, Preset, Propagation};
 use proptest::prelude::*;
 use proptest::sample::select;
@@ -85,7 +85,7 @@ fn occlusion() -> impl Strategy<Value = Occlusion> {
 
 fn propagation() -> impl Strategy<Value = Propagation> {
     let snapshots = select(&[Snapshots::Thesis, Snapshots::CopyFirst, Snapshots::WithoutInjected][..]);
-    let scheme = select(lpv_lab::propagate::names()).prop_map(str::to_owned);
+    let scheme = select(lpv_lab::transport::names()).prop_map(str::to_owned);
     let ordinates = (1..=MOST_DIRECTIONS, select(&Rule::ALL[..]), select(&Lattice::ALL[..]))
         .prop_map(|(directions, rule, lattice)| Setting { directions, rule, lattice });
     (scheme, 0.0..10.0, 0..1_000_000usize, snapshots, any::<bool>(), select(&Policy::ALL[..]), ordinates).prop_map(

@@ -7,12 +7,12 @@ mod cube;
 use cube::Symmetry;
 use glam::DVec3;
 use lpv_lab::field::{Cell, Grid};
-use lpv_lab::propagate::scheme;
-use lpv_lab::propagate::stencil::Stencil;
-use lpv_lab::scene::preset::{Propagation, Snapshots};
+use lpv_lab::scene::propagation::{Propagation, Snapshots};
 use lpv_lab::scene::{Occlusion, Scene, Source};
 use lpv_lab::sh::Sh;
 use lpv_lab::simulation::{Action, Simulation};
+use lpv_lab::transport::lattice::schemes;
+use lpv_lab::transport::lattice::stencil::Stencil;
 use proptest::prelude::*;
 
 const N: usize = 8;
@@ -22,7 +22,7 @@ fn scene(light: Vec<(Cell, Sh<f64>)>, propagation: Propagation) -> Scene {
         size: N,
         coarsest: 1,
         sources: vec![Source { color: [1.0; 3], light }],
-        blockers: Vec::new(),
+        solids: Vec::new(),
         occlusion: Occlusion::default(),
         propagation,
     }
@@ -145,7 +145,7 @@ proptest! {
     fn energy_is_never_negative_and_never_gains_more_than_a_lone_lobe_does(light in lobes()) {
         // Clamped, an iteration is sublinear, and all light is a sum of lobes with weights of zero or more. So no
         // light gains more than the lobe that gains most.
-        let stencil = Stencil::<f64>::new(&scheme::find("cascaded").unwrap(), 4.0, true);
+        let stencil = Stencil::<f64>::new(&schemes::find("cascaded").unwrap(), 4.0, true);
         let gain = |n: DVec3| (0..6).map(|d| stencil.send(d, Sh::lobe(n)).0[0]).sum::<f64>() / Sh::<f64>::lobe(n).0[0];
         let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
         let directions = (0..4000).map(|i| {

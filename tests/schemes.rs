@@ -6,13 +6,14 @@ mod cube;
 use cube::Symmetry;
 use glam::DVec3;
 use lpv_lab::field::{Cell, Grid, Layout};
-use lpv_lab::propagate::kernel::plain;
-use lpv_lab::propagate::scheme::{self, Scheme, Surface};
-use lpv_lab::propagate::stencil::Stencil;
 use lpv_lab::scene::occluder::{BlockingSign, OcclusionMode};
-use lpv_lab::scene::{Blocker, Occlusion, Propagation, Scene, Source};
+use lpv_lab::scene::{Occlusion, Propagation, Scene, Solid, Source};
 use lpv_lab::sh::Sh;
 use lpv_lab::simulation::Simulation;
+use lpv_lab::transport::lattice::kernel::plain;
+use lpv_lab::transport::lattice::scheme::{Scheme, Surface};
+use lpv_lab::transport::lattice::schemes;
+use lpv_lab::transport::lattice::stencil::Stencil;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 
@@ -30,7 +31,7 @@ fn scene(scheme: &Scheme, light: Light, iterations: usize) -> Scene {
         size: N,
         coarsest: 1,
         sources: vec![Source { color: [1.0; 3], light }],
-        blockers: Vec::new(),
+        solids: Vec::new(),
         occlusion: Occlusion::default(),
         propagation: Propagation { scheme: scheme.name.to_owned(), factor: 3.0, iterations, ..Propagation::default() },
     }
@@ -71,12 +72,12 @@ fn lobes() -> impl Strategy<Value = Light> {
 }
 
 /// Blockers in cells up to `last`, each cell once.
-fn blockers(last: usize, albedo: f64) -> impl Strategy<Value = Vec<Blocker>> {
+fn solids(last: usize, albedo: f64) -> impl Strategy<Value = Vec<Solid>> {
     let cells = prop::collection::btree_set([0..=last, 0..=last, 0..=last], 1..60);
     cells.prop_flat_map(move |cells| {
         let surfaces = prop::collection::vec((direction(), 0.1..=1.0), cells.len());
         surfaces.prop_map(move |surfaces| {
-            let block = |(cell, (normal, opacity)): (&Cell, (DVec3, f64))| Blocker {
+            let block = |(cell, (normal, opacity)): (&Cell, (DVec3, f64))| Solid {
                 cell: *cell,
                 normal,
                 opacity,
@@ -118,7 +119,7 @@ fn turn(scene: &Scene, symmetry: Symmetry, last: usize) -> Scene {
     for (cell, light) in turned.sources.iter_mut().flat_map(|source| &mut source.light) {
         (*cell, *light) = (symmetry.cell(*cell, N - 1), symmetry.light(*light));
     }
-    for blocker in &mut turned.blockers {
+    for blocker in &mut turned.solids {
         blocker.cell = symmetry.cell(blocker.cell, last);
         blocker.normal = DVec3::from_array(symmetry.vector(blocker.normal.to_array()));
     }
@@ -145,9 +146,9 @@ fn commutes_with_the_48_symmetries_among_occluders(scheme: &Scheme) {
         // Fuzzy blockers sit half a cell off the light, between cells. The lab's mirrors sit in them.
         let between = mode == OcclusionMode::Fuzzy && scheme.surface == Surface::Blocked;
         let last = if between { N - 2 } else { N - 1 };
-        check(FEW, (lobes(), blockers(last, 0.5)), |(light, blockers)| {
+        check(FEW, (lobes(), solids(last, 0.5)), |(light, solids)| {
             let occlusion = Occlusion { mode, bounce: 0.7, ..Occlusion::default() };
-            let scene = Scene { blockers, occlusion, ..scene(scheme, light, 4) };
+            let scene = Scene { solids, occlusion, ..scene(scheme, light, 4) };
             let plain = run(scene.clone());
             for symmetry in Symmetry::all() {
                 let turned = run(turn(&scene, symmetry, last));
@@ -160,12 +161,12 @@ fn commutes_with_the_48_symmetries_among_occluders(scheme: &Scheme) {
 }
 
 fn adds_up_without_clamps(scheme: &Scheme) {
-    check(MANY, (lobes(), lobes(), blockers(N - 1, 0.5), occlusion()), |(a, b, blockers, occlusion)| {
+    check(MANY, (lobes(), lobes(), solids(N - 1, 0.5), occlusion()), |(a, b, solids, occlusion)| {
         let both = a.iter().chain(&b).copied().collect();
         let [a, b, both] = [a, b, both].map(|light| {
             // Hard occluders depend on where light is: to add up, all must start from the same cells.
             let occlusion = Occlusion { mode: OcclusionMode::Fuzzy, bounce: 0.5, ..occlusion };
-            let mut scene = Scene { blockers: blockers.clone(), occlusion, ..scene(scheme, light, 5) };
+            let mut scene = Scene { solids: solids.clone(), occlusion, ..scene(scheme, light, 5) };
             scene.propagation.clamp = false;
             run(scene)
         });
@@ -188,8 +189,8 @@ fn the_mean_of_a_uniform_field_gains_what_is_documented(scheme: &Scheme) {
 }
 
 fn no_cell_holds_less_than_no_light(scheme: &Scheme) {
-    check(MANY, (lobes(), blockers(N - 1, 0.5), occlusion()), |(light, blockers, occlusion)| {
-        let simulation = run(Scene { blockers, occlusion, ..scene(scheme, light, 6) });
+    check(MANY, (lobes(), solids(N - 1, 0.5), occlusion()), |(light, solids, occlusion)| {
+        let simulation = run(Scene { solids, occlusion, ..scene(scheme, light, 6) });
         let darkest = |grid: &Grid<f64>| grid.iter().map(|(_, light)| light.0[0]).fold(0.0, f64::min);
         for grid in simulation.lights()[0].accumulated.levels() {
             // The blog scheme's unclamped sides send negative light; its total stays positive.
@@ -205,9 +206,9 @@ fn no_occluder_adds_to_what_cells_send(scheme: &Scheme) {
         return; // An occluder that stops negative light does; the scheme's documentation says so.
     }
     let stencil = Stencil::new(scheme, 3.0, true);
-    check(MANY, (lobes(), blockers(N - 1, 0.0), occlusion()), |(light, blockers, occlusion)| {
+    check(MANY, (lobes(), solids(N - 1, 0.0), occlusion()), |(light, solids, occlusion)| {
         let mut sent: Vec<f64> = Vec::new();
-        let mut simulation = Simulation::<f64>::new(Scene { blockers, occlusion, ..scene(scheme, light, 8) }).unwrap();
+        let mut simulation = Simulation::<f64>::new(Scene { solids, occlusion, ..scene(scheme, light, 8) }).unwrap();
         let mut added = None;
         simulation.run(|now| {
             let levels = now.lights()[0].source.levels();
@@ -239,9 +240,9 @@ fn with_occluders_less_light_is_left(scheme: &Scheme) {
     // Where a scheme looks straight along the axes alone, opposite lights in a cell hold each other back. An
     // occluder that takes one away may turn the other from a border and so keep it in the volume a little longer.
     let slack = if scheme.faces.len() == 1 { 1e-3 } else { 1e-12 };
-    check(MANY, (lobes(), blockers(N - 1, 0.0), occlusion()), |(light, blockers, occlusion)| {
+    check(MANY, (lobes(), solids(N - 1, 0.0), occlusion()), |(light, solids, occlusion)| {
         let free = energies(scene(scheme, light.clone(), 8));
-        let occluded = energies(Scene { blockers, occlusion, ..scene(scheme, light, 8) });
+        let occluded = energies(Scene { solids, occlusion, ..scene(scheme, light, 8) });
         for (k, (free, occluded)) in free.iter().zip(&occluded).enumerate() {
             for (level, (free, occluded)) in free.iter().zip(occluded).enumerate() {
                 prop_assert!(*occluded <= free * (1.0 + slack), "k = {k}, level {level}: {occluded} > {free}");
@@ -257,10 +258,10 @@ fn behind_a_closed_hard_occluder_it_is_dark(scheme: &Scheme) {
     let outside = |cell: Cell, from: Cell| (0..3).any(|a| cell[a] < from[a] || cell[a] > from[a] + 4);
     check(MANY, ([0..3usize, 0..3, 0..3], [1..4usize, 1..4, 1..4], direction(), 0.0..1.0), |(from, at, d, albedo)| {
         let shell = Layout::new(N).cells().filter(|cell| !inside(*cell, from) && !outside(*cell, from));
-        let block = |cell| Blocker { cell, normal: DVec3::ZERO, opacity: 1.0, albedo: [albedo; 3] };
+        let block = |cell| Solid { cell, normal: DVec3::ZERO, opacity: 1.0, albedo: [albedo; 3] };
         let lit = std::array::from_fn(|a| from[a] + at[a]);
         let scene = Scene {
-            blockers: shell.map(block).collect(),
+            solids: shell.map(block).collect(),
             occlusion: Occlusion { mode: OcclusionMode::Hard, bounce: 1.0, ..Occlusion::default() },
             ..scene(scheme, vec![(lit, Sh::lobe(d))], 24)
         };
@@ -283,7 +284,7 @@ fn behind_a_closed_hard_occluder_it_is_dark(scheme: &Scheme) {
 macro_rules! conformance {
     ($($scheme:ident),*) => {
         $(mod $scheme {
-            use super::scheme;
+            use super::schemes;
             conformance!(@each $scheme:
                 commutes_with_the_48_symmetries,
                 commutes_with_the_48_symmetries_among_occluders,
@@ -297,13 +298,13 @@ macro_rules! conformance {
 
         #[test]
         fn no_scheme_is_left_out() {
-            assert_eq!(scheme::names(), [$(stringify!($scheme)),*]);
+            assert_eq!(schemes::names(), [$(stringify!($scheme)),*]);
         }
     };
     (@each $scheme:ident: $($property:ident),*) => {
         $(#[test]
         fn $property() {
-            super::$property(&scheme::find(stringify!($scheme)).unwrap());
+            super::$property(&schemes::find(stringify!($scheme)).unwrap());
         })*
     };
 }

@@ -5,14 +5,14 @@
 use std::path::Path;
 
 use lpv_lab::field::{Cell, Grid};
-use lpv_lab::propagate::levels::Policy;
-use lpv_lab::propagate::scheme;
 use lpv_lab::scene::Scene;
 use lpv_lab::scene::occluder::{Accumulate, Occlusion, OcclusionMode};
-use lpv_lab::scene::preset::Snapshots;
+use lpv_lab::scene::propagation::Policy;
+use lpv_lab::scene::propagation::Snapshots;
 use lpv_lab::sh::Sh;
 use lpv_lab::simulation::options::{Instructions, Kernel, Options, Skip, Wanted};
 use lpv_lab::simulation::{Action, Simulation};
+use lpv_lab::transport::lattice::schemes;
 
 const PRESETS: [&str; 7] = [
     "two-walls.ron",
@@ -120,7 +120,7 @@ fn coarse_cells_that_no_sample_looks_at_are_left_out() {
 #[test]
 fn among_all_kinds_of_occluders_the_fast_loops_give_what_the_definition_gives() {
     for name in ["wall-with-gap.ron", "room-with-window.ron"] {
-        for scheme in scheme::names() {
+        for scheme in schemes::names() {
             for (mode, bounce) in [(OcclusionMode::Fuzzy, 0.5), (OcclusionMode::Hard, 0.5)] {
                 for (levels, accumulate) in Policy::ALL.into_iter().zip([Accumulate::Everywhere, Accumulate::Occupied])
                 {
@@ -153,7 +153,7 @@ fn where_only_surfaces_accumulate_the_others_hold_nothing() {
     let everywhere = stepped(&scene, Options::default());
     scene.occlusion.accumulate = Accumulate::Occupied;
     let surfaces = stepped(&scene, Options::default());
-    let occupied = |level: usize, cell: Cell| scene.blockers.iter().any(|b| b.cell.map(|c| c >> level) == cell);
+    let occupied = |level: usize, cell: Cell| scene.solids.iter().any(|b| b.cell.map(|c| c >> level) == cell);
     for (all, found) in everywhere.lights().iter().zip(surfaces.lights()) {
         assert!(all.source == found.source);
         // Coarser levels begin with the mean of what the finest has accumulated, so they differ there too.

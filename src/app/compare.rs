@@ -7,9 +7,9 @@ use super::controls::{self, name};
 use super::critical::warning;
 use super::lab::Lab;
 use super::look::{Light, Of, Pane, State};
-use crate::propagate;
-use crate::propagate::levels::Policy;
+use crate::scene::propagation::Policy;
 use crate::scene::{Propagation, Scene};
+use crate::transport;
 
 /// The most propagators that are compared, the document's own among them.
 pub const MOST: usize = 4;
@@ -126,7 +126,7 @@ impl Comparison {
     /// Adds a propagator: the next scheme that is not there yet.
     pub fn add(&mut self, own: &Propagation) {
         let used = |name: &str| own.scheme == name || self.others.iter().any(|other| other.choice() == name);
-        let next = propagate::names().into_iter().find(|name| !used(name)).unwrap_or(propagate::names()[0]);
+        let next = transport::names().into_iter().find(|name| !used(name)).unwrap_or(transport::names()[0]);
         self.others.push(Rival::Propagator(Propagation { scheme: next.to_owned(), ..own.clone() }));
     }
 }
@@ -201,7 +201,7 @@ fn rival(ui: &mut Ui, letter: char, rival: &mut Rival, own: &Propagation) -> boo
         ui.strong(format!("{letter}"));
         let combo = ComboBox::from_id_salt("scheme").selected_text(rival.choice()).width(118.0);
         let combo = combo.show_ui(ui, |ui| {
-            for scheme in propagate::names() {
+            for scheme in transport::names() {
                 if ui.selectable_label(rival.choice() == scheme, scheme).clicked() {
                     let like = if let Rival::Propagator(propagation) = &*rival { propagation } else { own };
                     *rival = Rival::Propagator(Propagation { scheme: scheme.to_owned(), ..like.clone() });
@@ -264,7 +264,7 @@ mod tests {
     fn propagators_that_are_added_differ_while_they_can() {
         let own = Propagation::default();
         let mut compare = Comparison::default();
-        for (i, known) in propagate::names().into_iter().skip(1).enumerate() {
+        for (i, known) in transport::names().into_iter().skip(1).enumerate() {
             compare.add(&own);
             assert_eq!(compare.others[i].choice(), known);
         }

@@ -60,7 +60,7 @@ fn cut(tracks: &mut [Track], truth: Option<&Ballistic>, pane: Pane, look: &Look)
     let side = slice.side;
     let finest = |i: usize| plane.axis.cell(plane.index, i % side, i / side);
     let index = (0..side * side).map(|i| state.index().index(finest(i)) as u8).collect();
-    let in_cut = state.scene().blockers.iter().filter(|b| b.cell[plane.axis.across()] == plane.index);
+    let in_cut = state.scene().solids.iter().filter(|b| b.cell[plane.axis.across()] == plane.index);
     let occupied = in_cut.map(|b| [b.cell[plane.axis.columns()], b.cell[plane.axis.rows()]]).collect();
     Some(Shown { pane, iteration: state.iteration(), forgotten, slice: Arc::new(slice), errors, index, occupied })
 }

@@ -15,13 +15,13 @@ use super::format::Format;
 use super::lab::Lab;
 use super::mesh::color;
 use super::plots::legend_row;
-use crate::propagate::levels::Policy;
 use crate::report::colour::Theme;
 use crate::report::glyph::Hue;
 use crate::report::plot::{Curve, Dash, Figure, Mark, Plot as PaperPlot};
 use crate::report::slice::Axis;
 use crate::report::table::{Table, Value};
 use crate::scene::Scene;
+use crate::scene::propagation::Policy;
 use crate::study::profile::{Line, Policies};
 
 /// Which line of cells is drawn, and how.

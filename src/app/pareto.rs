@@ -15,13 +15,13 @@ use super::lab::Lab;
 use super::mesh::color;
 use super::plots::{legend_row, small_row};
 use super::toolbar;
-use crate::propagate;
-use crate::propagate::ordinates;
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot as PaperPlot};
 use crate::scene::Scene;
 use crate::study::ballistic::Ballistic;
 use crate::study::pareto::{Row, front, measure, measure_against};
+use crate::transport;
+use crate::transport::ordinates;
 
 /// Rounds over all ways; medians are shown.
 const ROUNDS: usize = 3;
@@ -111,7 +111,7 @@ fn point(row: &Row) -> [f64; 2] {
 /// For a paper: a plot for each way to treat levels, each with what nothing beats among all.
 pub fn figure(title: &str, rows: &[&Row], choice: ParetoChoice, format: &Format) -> Figure {
     let logged = |row: &Row| [point(row)[0].log10(), point(row)[1]];
-    let schemes = propagate::names();
+    let schemes = transport::names();
     let plots = LEVELS.map(|(levels, ..)| {
         let mut curves: Vec<Curve> = Vec::new();
         for (color, scheme) in schemes.iter().enumerate() {
@@ -198,7 +198,7 @@ impl Lab {
             ui.weak(text);
             return;
         }
-        let schemes = propagate::names().into_iter().enumerate();
+        let schemes = transport::names().into_iter().enumerate();
         legend_row(ui, schemes.map(|(i, scheme)| (color(theme.curve(i)), scheme.to_owned())));
         small_row(ui, |ui| {
             for (_, _, text) in LEVELS {
@@ -228,7 +228,7 @@ impl Lab {
             let beaten: Vec<[f64; 2]> = front(&rows).into_iter().map(logged).collect();
             let line = Line::new("what nothing beats", PlotPoints::new(beaten)).color(color(theme.ink)).width(1.2);
             plot.line(line.style(LineStyle::Solid).allow_hover(false));
-            for (i, scheme) in propagate::names().into_iter().enumerate() {
+            for (i, scheme) in transport::names().into_iter().enumerate() {
                 for (levels, shape, _) in LEVELS {
                     let ours = rows.iter().filter(|row| is_of(row, scheme) && row.levels == levels);
                     let points: Vec<[f64; 2]> = ours.map(|row| logged(row)).collect();

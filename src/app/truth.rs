@@ -75,7 +75,7 @@ impl Truth {
 
 /// Whether the same light takes the same ways; how it is propagated does not matter.
 fn alike(a: &Scene, b: &Scene) -> bool {
-    a.size == b.size && a.sources == b.sources && a.blockers == b.blockers && a.occlusion.mode == b.occlusion.mode
+    a.size == b.size && a.sources == b.sources && a.solids == b.solids && a.occlusion.mode == b.occlusion.mode
 }
 
 impl Lab {

@@ -9,13 +9,13 @@ use indicatif::ProgressBar;
 
 use super::output::Folder;
 use super::{CliError, SceneArgs};
-use crate::propagate::kernel::team;
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
 use crate::report::table::Table;
 use crate::scene::Scene;
 use crate::study::benchmark::{self, BenchmarkError, Fading, KernelRow, Pipeline, THESIS_MILLISECONDS};
 use crate::study::pareto::made;
+use crate::transport::team;
 
 /// What to measure, and where to write.
 #[derive(Args, Debug)]

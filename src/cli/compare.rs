@@ -7,11 +7,12 @@ use clap::builder::PossibleValuesParser;
 
 use super::output::Folder;
 use super::{CliError, SceneArgs};
-use crate::propagate::{ordinates, scheme};
 use crate::report::table::{Table, Value};
 use crate::scene::Scene;
 use crate::simulation::known_scheme;
 use crate::study::compare::{self, Finding, PATIENCE, Reference};
+use crate::transport::lattice::schemes;
+use crate::transport::ordinates;
 
 /// What to compare.
 #[derive(Args, Debug)]
@@ -46,7 +47,7 @@ pub struct CompareArgs {
 /// Does the command.
 pub fn run(args: &CompareArgs) -> Result<(), CliError> {
     let names: Vec<&str> = match args.schemes.is_empty() {
-        true => scheme::names(),
+        true => schemes::names(),
         false => args.schemes.iter().map(String::as_str).collect(),
     };
     for name in &names {

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::CliError;
-use crate::propagate::levels::Policy;
-use crate::propagate::ordinates::shares::Rule;
+use crate::scene::ordinates::Rule;
 use crate::scene::preset::LONGEST;
+use crate::scene::propagation::Policy;
 use crate::scene::{Preset, Scene, builtin, file};
 
 /// A preset and what is to be different from what it says.

@@ -3,9 +3,9 @@
 use clap::Args;
 
 use super::CliError;
-use crate::propagate::scheme;
 use crate::report::table::{Table, Value};
 use crate::study::stability;
+use crate::transport::lattice::schemes;
 
 /// What to show.
 #[derive(Args, Debug)]
@@ -23,7 +23,7 @@ pub struct SchemesArgs {
 /// Does the command.
 pub fn run(args: &SchemesArgs) -> Result<(), CliError> {
     let mut table = Table::new(["scheme", "mean gain", "direction", "p < 2³", "4³", "8³", "16³", "32³"]);
-    for scheme in scheme::all() {
+    for scheme in schemes::all() {
         let found = stability::of_scheme(&scheme, &stability::SIZES);
         let critical = |i: usize| found.critical.get(i).map_or("-".into(), |(_, factor)| Value::Number(*factor));
         table.push([
@@ -39,7 +39,7 @@ pub fn run(args: &SchemesArgs) -> Result<(), CliError> {
     }
     print!("{}", table.to_text());
     if args.long {
-        for scheme in scheme::all() {
+        for scheme in schemes::all() {
             println!("\n{}: {}", scheme.name, scheme.summary);
             println!("  source: {}\n  flaws: {}", scheme.source, scheme.flaws);
         }

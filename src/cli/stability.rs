@@ -9,17 +9,18 @@ use indicatif::ProgressBar;
 
 use super::output::Folder;
 use super::{CliError, SceneArgs};
-use crate::propagate::levels::Policy;
-use crate::propagate::{ordinates, scheme};
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
 use crate::report::table::{Table, Value};
 use crate::scene::Scene;
+use crate::scene::propagation::Policy;
 use crate::study::stability::drift::{DriftRow, LongRun};
 use crate::study::stability::level::critical_of_octree;
 use crate::study::stability::outlook;
 use crate::study::stability::{self, critical_without_borders, critical_without_clamps};
 use crate::study::stress::{self, Outcome};
+use crate::transport::lattice::schemes;
+use crate::transport::ordinates;
 
 /// What to examine, where to write.
 #[derive(Args, Debug)]
@@ -159,7 +160,7 @@ fn critical_factors(sizes: &[usize]) -> Table<8> {
         "without_clamps",
         "without_borders",
     ]);
-    for scheme in scheme::all() {
+    for scheme in schemes::all() {
         let found = stability::of_scheme(&scheme, sizes);
         let unbounded = critical_without_borders(&scheme, true);
         for (size, critical) in found.critical {
@@ -184,7 +185,7 @@ struct Drift {
 
 fn long_runs(args: &StabilityArgs) -> Result<Vec<Drift>, CliError> {
     let mut drifts = Vec::new();
-    for scheme in scheme::all() {
+    for scheme in schemes::all() {
         let critical = stability::of_scheme(&scheme, &[args.side]).critical;
         for (share, (size, critical)) in SHARES.into_iter().flat_map(|share| critical.iter().map(move |c| (share, *c)))
         {

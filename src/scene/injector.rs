@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::cell_file::{self, Column};
 use super::error::{Problem, SceneError};
 use super::file;
-use super::preset::not_negative;
+use super::propagation::not_negative;
 use super::region::{Region, check_cell};
 use crate::field::Cell;
 use crate::sh::Sh;

@@ -9,7 +9,7 @@ use super::error::{Problem, SceneError};
 use super::file;
 use super::injector::{is_one, is_yes, unit, yes};
 use super::occluder_file;
-use super::preset::not_negative;
+use super::propagation::not_negative;
 use super::region::Region;
 use crate::field::Cell;
 

@@ -7,21 +7,16 @@ use ron::extensions::Extensions;
 use ron::ser::PrettyConfig;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::propagate;
-use crate::propagate::ordinates::setting::{MOST_DIRECTIONS, Setting};
-
-use super::error::{Problem, SceneError, Step, nearest, quote};
+use super::error::{Problem, SceneError, Step};
 use super::injector::Injector;
 use super::occluder::{Occluder, Occlusion};
+use super::propagation::Propagation;
 use super::{file, place, syntax};
-use crate::propagate::levels::Policy;
 
 /// The version of the document that this library reads and writes.
 pub const VERSION: u32 = 1;
 /// The largest side of a volume: its cells alone take 16 GiB a grid.
 pub const LARGEST: usize = 1024;
-/// The most iterations of one run.
-pub const MOST_ITERATIONS: usize = 1_000_000;
 /// The longest preset file, in bytes.
 pub const LONGEST: u64 = 4 << 20;
 
@@ -55,39 +50,6 @@ pub struct Preset {
     pub propagation: Propagation,
 }
 
-/// How light is propagated.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Propagation {
-    /// The propagator's name, as `lpv-lab schemes` lists it, or `ordinates`; `cascaded`.
-    pub scheme: String,
-    /// The propagation factor p, finite, ≥ 0; 3. With `cascaded` and `ordinates` 4 keeps the energy (000, 3.2.3).
-    pub factor: f64,
-    /// Iterations of a whole run, up to [`MOST_ITERATIONS`]; 16.
-    pub iterations: usize,
-    /// What is summed; `Thesis`.
-    pub snapshots: Snapshots,
-    /// Whether negative flux counts as none; true. Off, every iteration is linear.
-    pub clamp: bool,
-    /// How the operator follows from the level of the octree; `Same`.
-    pub levels: Policy,
-    /// The directions of the propagator `ordinates`; the others have none.
-    #[serde(skip_serializing_if = "is_default")]
-    pub ordinates: Setting,
-}
-
-/// What the accumulated grid sums, and what the first iteration sends on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Snapshots {
-    /// S_0 + … + S_k (000, 3.2.3).
-    #[default]
-    Thesis,
-    /// NVIDIA's sample: S_1 := S_0 + p·P(S_0), so the source is propagated twice; S_1 + … + S_k.
-    CopyFirst,
-    /// The light that has moved and no other: S_1 + … + S_k, with S_1 = p·P(S_0) as in the thesis.
-    WithoutInjected,
-}
-
 impl Default for Preset {
     fn default() -> Self {
         Preset {
@@ -99,20 +61,6 @@ impl Default for Preset {
             occluders: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation::default(),
-        }
-    }
-}
-
-impl Default for Propagation {
-    fn default() -> Self {
-        Propagation {
-            scheme: "cascaded".to_owned(),
-            factor: 3.0,
-            iterations: 16,
-            snapshots: Snapshots::Thesis,
-            clamp: true,
-            levels: Policy::Same,
-            ordinates: Setting::default(),
         }
     }
 }
@@ -166,42 +114,6 @@ impl Preset {
         self.occlusion.check().map_err(|p| p.field("occlusion"))?;
         self.propagation.check().map_err(|p| p.field("propagation"))
     }
-}
-
-impl Propagation {
-    fn check(&self) -> Result<(), Problem> {
-        let known = propagate::names();
-        if !known.contains(&self.scheme.as_str()) {
-            let what = format!("the scheme {} is not known", quote(&self.scheme));
-            let remedy = match nearest(&self.scheme, &known) {
-                Some(near) => format!("did you mean `{near}`? Known are {}", known.join(", ")),
-                None => format!("known are {}", known.join(", ")),
-            };
-            return Err(Problem::new(what, remedy).field("scheme"));
-        }
-        not_negative(self.factor, "the factor").map_err(|p| p.field("factor"))?;
-        if self.iterations > MOST_ITERATIONS {
-            let what = format!("{} iterations are too many", self.iterations);
-            return Err(Problem::new(what, format!("at most {MOST_ITERATIONS} are run")).field("iterations"));
-        }
-        let directions = self.ordinates.directions;
-        if !(1..=MOST_DIRECTIONS).contains(&directions) {
-            let problem = Problem::new(
-                format!("there cannot be {directions} directions"),
-                format!("from 1 to {MOST_DIRECTIONS}"),
-            );
-            return Err(problem.field("directions").within(Step::Field("ordinates")));
-        }
-        Ok(())
-    }
-}
-
-/// Checks that a number is finite and not below zero; `what` names it.
-pub(super) fn not_negative(value: f64, what: &str) -> Result<(), Problem> {
-    if value.is_finite() && value >= 0.0 {
-        return Ok(());
-    }
-    Err(Problem::new(format!("{what} is {value}"), "write a finite number, zero or more"))
 }
 
 /// RON with `direction: (1, 0, 0)` for a direction that may be left out.

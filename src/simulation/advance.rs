@@ -1,6 +1,6 @@
 //! How iterations are carried out: which loops, how many threads, what is left out, when to stop.
 //!
-//! **Stopping early.** Where a scheme's light keeps to its cone ([`crate::propagate::kernel::form`]), the
+//! **Stopping early.** Where a scheme's light keeps to its cone ([`crate::transport::lattice::kernel::form`]), the
 //! sum of c00 over a level gains at most g an iteration, and no coefficient is larger than its cell's c00
 //! (but for a bare lobe, 1.155 times). So all the light of all iterations still to come sums to at most
 //! E·g / (1 − g) in c00, with E the sum now: [`Simulation::still_to_come`] is that bound over what has been
@@ -12,11 +12,11 @@ use super::occlusion::accumulate;
 use super::options::{Kernel, Options, Wanted, Work};
 use super::{Action, Light, Simulation, step};
 use crate::field::{IndexVolume, Marks, row_mask};
-use crate::propagate::active::grown;
-use crate::propagate::kernel::occluded::Which;
-use crate::propagate::kernel::team;
-use crate::scene::preset::Snapshots;
+use crate::scene::propagation::Snapshots;
 use crate::sh::Real;
+use crate::transport::lattice::active::grown;
+use crate::transport::lattice::kernel::occluded::Which;
+use crate::transport::team;
 
 impl<T: Real> Simulation<T> {
     /// How iterations are carried out.

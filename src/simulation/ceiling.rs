@@ -12,8 +12,8 @@ use multiversion::multiversion;
 
 use super::Light;
 use crate::field::{Grid, IndexVolume, Marks};
-use crate::propagate::stencil::Stencil;
 use crate::sh::{K0, K1, LOBE0, LOBE1, Real};
+use crate::transport::lattice::stencil::Stencil;
 
 /// How far below the largest number light must stay: eight children are added before their mean is taken,
 /// and colours are added where they are shown.
@@ -195,7 +195,7 @@ fn norm<T: Real>(stencil: &Stencil<T>, bounce: f64) -> f64 {
 mod tests {
     use super::super::{Action, Simulation};
     use super::*;
-    use crate::scene::preset::{Propagation, Snapshots};
+    use crate::scene::propagation::{Propagation, Snapshots};
     use crate::scene::{Occlusion, Scene, Source};
     use crate::sh::Sh;
 
@@ -205,7 +205,7 @@ mod tests {
             size: 8,
             coarsest: 1,
             sources: vec![Source { color: [1.0; 3], light }],
-            blockers: Vec::new(),
+            solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation { factor, iterations: 10_000, snapshots, ..Propagation::default() },
         };
@@ -232,7 +232,8 @@ mod tests {
             assert_eq!((told.level, told.iteration, told.side), (0, simulation.iteration() + 1, 8), "{factor}");
             assert!(is_finite(&simulation));
             // Not given up long before there is need: a state whose next could not overflow is no end.
-            let norm = norm(&Stencil::<f64>::new(&crate::propagate::cascaded::scheme(), factor, true), 0.0);
+            let norm =
+                norm(&Stencil::<f64>::new(&crate::transport::lattice::schemes::cascaded::scheme(), factor, true), 0.0);
             assert!(told.largest * (norm + 1.0) > limit::<f32>(), "{factor}: {told:?}");
             assert_eq!(Some(&simulation.lights()[0].source), last.as_ref());
         }

@@ -1,14 +1,14 @@
 //! Downsampling for levels that agree: every level takes its light over from the next finer one
-//! ([`crate::propagate::levels`]).
+//! ([`crate::transport::lattice::levels`]).
 
 use super::occlusion::accumulate;
 use super::{Light, Simulation, step};
 use crate::field::{Grid, downsample_into};
-use crate::propagate::kernel::occluded::Which;
-use crate::propagate::kernel::step::once;
-use crate::propagate::levels;
-use crate::scene::preset::Snapshots;
+use crate::scene::propagation::Snapshots;
 use crate::sh::Real;
+use crate::transport::lattice::kernel::occluded::Which;
+use crate::transport::lattice::kernel::step::once;
+use crate::transport::lattice::levels;
 
 impl<T: Real> Simulation<T> {
     /// Sets source and accumulated of every level but the finest to what it takes over from the next finer

@@ -6,13 +6,13 @@ use super::Action;
 use super::occlusion::{Obstacles, accumulate};
 use super::options::{Options, Work};
 use crate::field::{Grid, IndexVolume, Marks, Octree};
-use crate::propagate::active::everywhere;
-use crate::propagate::kernel::among::{self, Among};
-use crate::propagate::kernel::form::Form;
-use crate::propagate::kernel::occluded::Which;
-use crate::propagate::kernel::{Level, Order, Tally, blocked, lies_in_cone, step};
-use crate::propagate::stencil::Stencil;
 use crate::sh::Real;
+use crate::transport::lattice::active::everywhere;
+use crate::transport::lattice::kernel::among::{self, Among};
+use crate::transport::lattice::kernel::form::Form;
+use crate::transport::lattice::kernel::occluded::Which;
+use crate::transport::lattice::kernel::{Level, Order, Tally, blocked, lies_in_cone, step};
+use crate::transport::lattice::stencil::Stencil;
 
 /// Options, the forms of the levels' stencils, and what is known of the light.
 #[derive(Clone, Debug)]

@@ -1,12 +1,13 @@
 //! What cannot be run, and why.
 
-use crate::field::memory;
-use crate::propagate;
-use crate::propagate::levels::TooLarge;
-use crate::propagate::ordinates;
-use crate::propagate::scheme::{self, Scheme};
+use crate::scene::Propagation;
 use crate::scene::error::nearest;
-use crate::scene::preset::Propagation;
+use crate::system::memory;
+use crate::transport;
+use crate::transport::lattice::levels::TooLarge;
+use crate::transport::lattice::scheme::Scheme;
+use crate::transport::lattice::schemes;
+use crate::transport::ordinates;
 
 /// A propagation setting that cannot be run.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -56,10 +57,10 @@ pub fn scheme_of(propagation: &Propagation) -> Result<Option<Scheme>, Simulation
 
 /// The scheme of that name, or an error that names those there are.
 pub fn known_scheme(name: &str) -> Result<Scheme, SimulationError> {
-    scheme::find(name).ok_or_else(|| SimulationError::UnknownScheme {
+    schemes::find(name).ok_or_else(|| SimulationError::UnknownScheme {
         name: name.to_owned(),
-        nearest: nearest(name, &propagate::names()),
-        known: propagate::names().join(", "),
+        nearest: nearest(name, &transport::names()),
+        known: transport::names().join(", "),
     })
 }
 

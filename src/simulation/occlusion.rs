@@ -2,13 +2,13 @@
 //! whether they tint light.
 
 use crate::field::{Channels, Grid, IndexVolume, Levels, Marks};
-use crate::propagate::barrier::Barrier;
-use crate::propagate::geometry::Geometry;
-use crate::propagate::kernel::occluded::{Fuzzy, Hard, Mirrored, Occluders, Touched};
-use crate::propagate::scheme::{Scheme, Surface};
 use crate::scene::Scene;
 use crate::scene::occluder::{Accumulate, BlockingSign, OcclusionMode};
 use crate::sh::Real;
+use crate::transport::lattice::barrier::Barrier;
+use crate::transport::lattice::geometry::Geometry;
+use crate::transport::lattice::kernel::occluded::{Fuzzy, Hard, Mirrored, Occluders, Touched};
+use crate::transport::lattice::scheme::{Scheme, Surface};
 
 /// The occluders of a scene as a scheme sees them.
 #[derive(Clone, Debug)]
@@ -24,16 +24,16 @@ impl<T: Real> Obstacles<T> {
     /// `None` where there are none.
     pub(super) fn new(scene: &Scene, sizes: Levels, scheme: &Scheme) -> Option<Self> {
         let occlusion = scene.occlusion;
-        if scene.blockers.is_empty() || occlusion.mode == OcclusionMode::Off {
+        if scene.solids.is_empty() || occlusion.mode == OcclusionMode::Off {
             return None;
         }
-        let geometry = Geometry::new(sizes, &scene.blockers);
+        let geometry = Geometry::new(sizes, &scene.solids);
         // Reflection is what a mirroring scheme is; in the others it is an extra that the preset asks for.
         let mirrors = scheme.surface == Surface::Mirrored;
         let (occluders, from_iteration) = match occlusion.mode {
             OcclusionMode::Hard => {
                 let injected = scene.sources.iter().flat_map(|source| &source.light);
-                let barrier = Barrier::new(sizes, &scene.blockers, injected.map(|(cell, _)| *cell));
+                let barrier = Barrier::new(sizes, &scene.solids, injected.map(|(cell, _)| *cell));
                 let bounce = if mirrors { 1.0 } else { occlusion.bounce };
                 (Occluders::Hard(Hard { barrier, geometry, bounce: T::of(bounce) }), 0)
             }
@@ -73,7 +73,7 @@ pub(super) fn accumulating(scene: &Scene, sizes: Levels) -> Option<Vec<Marks>> {
     }
     let level = |i: usize| {
         let mut occupied = Marks::new(sizes.side(i));
-        scene.blockers.iter().for_each(|blocker| occupied.set(blocker.cell.map(|c| c >> i)));
+        scene.solids.iter().for_each(|blocker| occupied.set(blocker.cell.map(|c| c >> i)));
         occupied
     };
     Some((0..sizes.count()).map(level).collect())
@@ -93,7 +93,7 @@ pub(super) fn accumulate<T: Real>(light: &Grid<T>, cells: Option<&Marks>, accumu
 /// The channels that a scene needs: one a colour where a surface may tint the light, else the fewest.
 pub(super) fn channels(scene: &Scene) -> Channels {
     let tints = |[red, green, blue]: [f64; 3]| red != green || green != blue;
-    if scene.occlusion.mode != OcclusionMode::Off && scene.blockers.iter().any(|b| tints(b.albedo)) {
+    if scene.occlusion.mode != OcclusionMode::Off && scene.solids.iter().any(|b| tints(b.albedo)) {
         return Channels::separate();
     }
     let colors: Vec<[f64; 3]> = scene.sources.iter().map(|source| source.color).collect();

@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-pub use crate::propagate::kernel::Instructions;
+pub use crate::transport::lattice::kernel::Instructions;
 
 /// How a simulation carries its iterations out. It does so on the threads of the rayon pool that it is in.
 #[derive(Clone, Copy, Debug, PartialEq)]

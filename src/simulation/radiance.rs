@@ -1,4 +1,4 @@
-//! Iterations by [discrete ordinates](crate::propagate::ordinates) in place of a scheme.
+//! Iterations by [discrete ordinates](crate::transport::ordinates) in place of a scheme.
 //!
 //! Light keeps its direction, so two bands a cell do not tell where it will go: source, target and accumulated
 //! light are what people see of it, and the flux of every direction is kept beside them.
@@ -19,15 +19,15 @@ use super::occlusion::accumulate;
 use super::options::Work;
 use super::{Divergence, Light, Simulation, memory};
 use crate::field::{Channels, Grid, IndexVolume, Levels};
-use crate::propagate::active::everywhere;
-use crate::propagate::ordinates::setting::Setting;
-use crate::propagate::ordinates::stepper::Stepper;
-use crate::propagate::ordinates::{NAME, Ordinates};
-use crate::propagate::transparency::Transparency;
 use crate::scene::occluder::OcclusionMode;
-use crate::scene::preset::{Propagation, Snapshots};
+use crate::scene::ordinates::Setting;
+use crate::scene::propagation::{Propagation, Snapshots};
 use crate::scene::{Scene, Source};
 use crate::sh::{K0, K1, Real, SPHERE, Sh};
+use crate::transport::lattice::active::everywhere;
+use crate::transport::ordinates::stepper::Stepper;
+use crate::transport::ordinates::{NAME, Ordinates};
+use crate::transport::transparency::Transparency;
 
 /// The factor at which nothing is lost or gained.
 const KEEPS_ALL: f64 = 4.0;
@@ -53,7 +53,7 @@ impl Radiance {
         Some(Radiance {
             setting,
             steppers: (0..channels.count()).map(|_| Stepper::new(ordinates.clone(), scene.size)).collect(),
-            occluders: Transparency::new(scene.size, if blocks { &scene.blockers } else { &[] }),
+            occluders: Transparency::new(scene.size, if blocks { &scene.solids } else { &[] }),
             gain: scene.propagation.factor / KEEPS_ALL,
             flux: 0.0,
             accumulated: 0.0,
@@ -180,9 +180,9 @@ impl<T: Real> Simulation<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::propagate::ordinates::directions::Lattice;
-    use crate::propagate::ordinates::shares::Rule;
-    use crate::scene::{Blocker, Occlusion};
+    use crate::scene::ordinates::Lattice;
+    use crate::scene::ordinates::Rule;
+    use crate::scene::{Occlusion, Solid};
     use crate::simulation::{Action, SimulationError};
     use glam::DVec3;
 
@@ -193,7 +193,7 @@ mod tests {
             size: 8,
             coarsest: 1,
             sources: vec![Source { color: [1.0, 0.5, 0.0], light }],
-            blockers: Vec::new(),
+            solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation {
                 scheme: NAME.to_owned(),
@@ -216,11 +216,11 @@ mod tests {
         for mode in [OcclusionMode::Hard, OcclusionMode::Fuzzy, OcclusionMode::Off] {
             let mut scene = scene(4.0);
             scene.occlusion.mode = mode;
-            scene.blockers = vec![Blocker { cell: [4, 3, 3], normal: DVec3::X, opacity: 0.7, albedo: [0.5; 3] }];
+            scene.solids = vec![Solid { cell: [4, 3, 3], normal: DVec3::X, opacity: 0.7, albedo: [0.5; 3] }];
             let simulation = run::<f32>(&scene);
             let mut injected = Grid::new(8);
             scene.sources[0].light.iter().for_each(|(cell, light)| injected.set(*cell, light.cast()));
-            let occluders = Transparency::new(8, &scene.blockers).filter(|_| mode != OcclusionMode::Off);
+            let occluders = Transparency::new(8, &scene.solids).filter(|_| mode != OcclusionMode::Off);
             let mut wanted = Ordinates::of(&scene.propagation.ordinates).solve(&injected, occluders.as_ref());
             wanted.add_grid(&injected);
             let light = &simulation.lights()[0];

@@ -27,12 +27,12 @@ use rayon::prelude::*;
 use super::error::{self, ErrorRow, Metric};
 use super::reference;
 use crate::field::{Cell, Grid, Layout};
-use crate::propagate::geometry::Blocker;
-use crate::propagate::transparency::Transparency;
+use crate::scene::Solid;
 use crate::scene::occluder::OcclusionMode;
 use crate::scene::{Occlusion, Scene, Source};
 use crate::sh::{Real, Sh};
 use crate::simulation::{Simulation, SimulationError};
+use crate::transport::transparency::Transparency;
 pub use fit::{BestFit, l1};
 use solid_angle::Extent;
 use visibility::Visibility;
@@ -42,7 +42,7 @@ use visibility::Visibility;
 pub struct Ballistic {
     size: usize,
     sources: Vec<Source>,
-    blockers: Vec<Blocker>,
+    solids: Vec<Solid>,
     occlusion: Occlusion,
     light: Vec<Grid<f32>>,
 }
@@ -54,8 +54,8 @@ impl Ballistic {
         let injected = reference::injected::<f64>(scene)?;
         let extents = extents(scene.size);
         let blocks = scene.occlusion.mode != OcclusionMode::Off;
-        let blockers: &[Blocker] = if blocks { &scene.blockers } else { &[] };
-        let transparency = Transparency::new(scene.size, blockers);
+        let solids: &[Solid] = if blocks { &scene.solids } else { &[] };
+        let transparency = Transparency::new(scene.size, solids);
         let visibility = transparency.as_ref().map(|cells| Visibility::new(cells, scene.size));
         let channels = injected.lights().len();
         let mut light = Vec::new();
@@ -68,15 +68,15 @@ impl Ballistic {
             };
             light.push(grid);
         }
-        let Scene { size, sources, blockers, occlusion, .. } = scene.clone();
-        Ok(Some(Ballistic { size, sources, blockers, occlusion, light }))
+        let Scene { size, sources, solids, occlusion, .. } = scene.clone();
+        Ok(Some(Ballistic { size, sources, solids, occlusion, light }))
     }
 
     /// Whether it is the reference of `scene`: the way light is propagated does not matter to it.
     pub fn is_of(&self, scene: &Scene) -> bool {
         self.size == scene.size
             && self.sources == scene.sources
-            && self.blockers == scene.blockers
+            && self.solids == scene.solids
             && self.occlusion.mode == scene.occlusion.mode
     }
 

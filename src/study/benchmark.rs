@@ -15,9 +15,10 @@ use std::time::Instant;
 
 use rayon::ThreadPool;
 
-use crate::propagate::scheme::{self, Scheme};
 use crate::scene::SceneError;
 use crate::simulation::SimulationError;
+use crate::transport::lattice::scheme::Scheme;
+use crate::transport::lattice::schemes;
 
 use dense::{Dense, Loop};
 pub use fading::Fading;
@@ -135,7 +136,7 @@ pub fn kernels(
 /// Times everything once on the current threads.
 fn once(size: usize, dense: &mut Dense, series: &mut Vec<Series>) -> Result<(), BenchmarkError> {
     let threads = rayon::current_num_threads();
-    for scheme in scheme::all() {
+    for scheme in schemes::all() {
         for which in loops(&scheme, threads) {
             if let Some(sample) = dense.sample(which, &scheme) {
                 keep(series, (scheme.name, threads, which.name()), sample, dense.bytes(which));
@@ -151,7 +152,7 @@ fn once(size: usize, dense: &mut Dense, series: &mut Vec<Series>) -> Result<(), 
 
 /// The loops that are worth timing for a scheme: the baseline is written for one scheme and one thread.
 fn loops(scheme: &Scheme, threads: usize) -> impl Iterator<Item = Loop> + use<> {
-    let first = scheme.name == scheme::all()[0].name;
+    let first = scheme.name == schemes::all()[0].name;
     Loop::ALL.into_iter().filter(move |which| match which {
         Loop::Aos => first && threads == 1,
         other => threads == 1 || other.is_threaded(),

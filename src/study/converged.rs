@@ -2,7 +2,7 @@
 //! far sooner.
 //!
 //! **The equation.** The accumulated light is S_0 + S_1 + … with S_{k+1} = P(S_k). P is linear except for
-//! its clamps, and those act on the first steps only: light in the cone of [`crate::propagate::kernel::form`]
+//! its clamps, and those act on the first steps only: light in the cone of [`crate::transport::lattice::kernel::form`]
 //! is not clamped and stays in the cone. So steps are taken as they are until every cell lies in it (from
 //! lobes, one step of `cascaded`), and what remains, A = head + B with B = S_J + P·B, is linear: no
 //! active set is guessed, it is known. Schemes whose cone is not closed are refused, and so are occluders.
@@ -33,12 +33,12 @@ mod sweep;
 
 use super::reference;
 use crate::field::Grid;
-use crate::propagate::kernel::form::{Form, Share};
-use crate::propagate::kernel::team;
-use crate::propagate::stencil::Stencil;
 use crate::scene::occluder::OcclusionMode;
 use crate::scene::{Propagation, Scene};
 use crate::simulation::{SimulationError, scheme_of};
+use crate::transport::lattice::kernel::form::{Form, Share};
+use crate::transport::lattice::stencil::Stencil;
+use crate::transport::team;
 use halves::{Half, Shape};
 use head::Head;
 use lit::Lit;
@@ -149,7 +149,7 @@ struct Tail {
 impl Solver {
     /// A solver for the finest level of a scene; refuses occluders that act, and all that [`Self::new`] does.
     pub fn for_scene(scene: &Scene) -> Result<Self, Refusal> {
-        if !scene.blockers.is_empty() && scene.occlusion.mode != OcclusionMode::Off {
+        if !scene.solids.is_empty() && scene.occlusion.mode != OcclusionMode::Off {
             return Err(Refusal::Occluders);
         }
         Solver::new(&scene.propagation, scene.size)
@@ -234,11 +234,11 @@ impl Solver {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::propagate::geometry::Blocker;
-    use crate::propagate::kernel::step::once;
+    use crate::scene::Solid;
     use crate::scene::{Occlusion, Source};
     use crate::sh::Sh;
     use crate::simulation::{Action, known_scheme};
+    use crate::transport::lattice::kernel::step::once;
     use glam::DVec3;
 
     fn scene(size: usize, scheme: &str, factor: f64, clamp: bool) -> Scene {
@@ -247,7 +247,7 @@ mod tests {
             size,
             coarsest: size,
             sources: vec![Source { color: [1.0, 0.5, 0.0], light }],
-            blockers: Vec::new(),
+            solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation { scheme: scheme.to_owned(), factor, clamp, ..Propagation::default() },
         }
@@ -327,7 +327,7 @@ mod tests {
         assert!(matches!(refused(&scene(8, "axial", 3.0, true)), Refusal::Clamped { .. }));
         assert!(solve(&scene(8, "axial", 3.0, false), 1e-4, |_| true).is_ok());
         let mut walled = scene(8, "cascaded", 3.0, true);
-        walled.blockers = vec![Blocker { cell: [1; 3], normal: DVec3::X, opacity: 1.0, albedo: [0.0; 3] }];
+        walled.solids = vec![Solid { cell: [1; 3], normal: DVec3::X, opacity: 1.0, albedo: [0.0; 3] }];
         assert_eq!(refused(&walled), Refusal::Occluders);
         assert!(matches!(refused(&scene(16, "cascaded", 4.3, true)), Refusal::Diverges { .. }));
         assert_eq!(refused(&scene(8, "ordinates", 3.0, true)), Refusal::Ordinates);

@@ -266,7 +266,7 @@ mod tests {
             size: 4,
             coarsest: 4,
             sources: vec![source],
-            blockers: Vec::new(),
+            solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation { iterations: 3, ..Propagation::default() },
         };

@@ -19,10 +19,10 @@ use super::converged;
 use super::error::channel_scales;
 use super::reference;
 use crate::field::Grid;
-use crate::propagate::scheme;
 use crate::scene::Scene;
 use crate::simulation::options::Wanted;
 use crate::simulation::{Light, SimulationError};
+use crate::transport::lattice::schemes;
 use way::{Outcome, Start};
 
 /// Iterations that stand for the fixed point where none is solved for; fewer where light has died out.
@@ -94,7 +94,7 @@ pub fn measure_against(
     progress: &dyn Fn(f64) -> bool,
 ) -> Result<Option<Vec<Row>>, SimulationError> {
     let mut ways = way::all();
-    let steps = (scheme::names().len() + ways.len() * (1 + rounds)) as f64;
+    let steps = (schemes::names().len() + ways.len() * (1 + rounds)) as f64;
     let mut done = 0;
     let mut go_on = || {
         done += 1;
@@ -102,7 +102,7 @@ pub fn measure_against(
     };
     let start = Start::new(scene)?;
     let mut fixed_points = Vec::new();
-    for name in scheme::names() {
+    for name in schemes::names() {
         fixed_points.push((name, fixed_point(&way::with(scene, name, "uniform", FOR_EVER))?));
         if !go_on() {
             return Ok(None);
@@ -172,7 +172,7 @@ fn fixed_point(scene: &Scene) -> Result<Vec<Grid<f32>>, SimulationError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Blocker;
+    use crate::scene::Solid;
     use crate::scene::occluder::OcclusionMode;
     use glam::DVec3;
 
@@ -199,7 +199,7 @@ mod tests {
         let [_, _, (_, mut scene)] = made::scenes(8, 3.0);
         scene.sources[0].color = [1.0, 0.5, 0.0];
         scene.occlusion.mode = OcclusionMode::Hard;
-        scene.blockers = vec![Blocker { cell: [6, 4, 4], normal: DVec3::NEG_X, opacity: 1.0, albedo: [0.5, 0.0, 0.0] }];
+        scene.solids = vec![Solid { cell: [6, 4, 4], normal: DVec3::NEG_X, opacity: 1.0, albedo: [0.5, 0.0, 0.0] }];
         let rows = measure("walled", &scene, 1, &|share| (0.0..=1.0).contains(&share)).unwrap().unwrap();
         // The solver refuses occluders, the ordinates do not.
         assert!(rows.iter().all(|row| row.levels != "converged" && row.preset == "walled"));

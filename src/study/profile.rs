@@ -2,10 +2,10 @@
 //!
 //! Where the sample goes over from one level to the next the merged light jumps (000, figure 14). Along a line of
 //! cells the jumps are seen as steps, and beside the uniform volume, which has none, it is seen whether
-//! levels that agree ([`crate::propagate::levels`]) make them smaller.
+//! levels that agree ([`crate::transport::lattice::levels`]) make them smaller.
 
 use crate::field::{Cell, Grid};
-use crate::propagate::levels::Policy;
+use crate::scene::propagation::Policy;
 use crate::scene::{Propagation, Scene};
 use crate::sh::Sh;
 use crate::simulation::{Action, Simulation, SimulationError};

@@ -13,11 +13,11 @@ use std::f64::consts::PI;
 
 use super::random::Random;
 use crate::field::{Cell, Grid};
-use crate::propagate::face::Direction;
-use crate::propagate::kernel::plain;
-use crate::propagate::scheme::Scheme;
-use crate::propagate::stencil::Stencil;
 use crate::sh::Sh;
+use crate::transport::lattice::face::Direction;
+use crate::transport::lattice::kernel::plain;
+use crate::transport::lattice::scheme::Scheme;
+use crate::transport::lattice::stencil::Stencil;
 
 /// The sizes whose critical factors people are shown: sides of the volume, in cells.
 pub const SIZES: [usize; 5] = [2, 4, 8, 16, 32];
@@ -158,7 +158,7 @@ fn propagate_around(stencil: &Stencil<f64>, source: &Grid<f64>, target: &mut Gri
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::propagate::{cascaded, scheme};
+    use crate::transport::lattice::schemes::{self, cascaded};
 
     #[test]
     fn cascaded_is_stable_up_to_the_published_factors() {
@@ -186,7 +186,7 @@ mod tests {
 
     #[test]
     fn light_shrinks_below_the_critical_factor_and_grows_above() {
-        for scheme in scheme::all() {
+        for scheme in schemes::all() {
             let n = 4;
             let (_, critical) = of_scheme(&scheme, &[n]).critical[0];
             for (share, grows) in [(0.95, false), (1.05, true)] {

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use egui_kittest::kittest::{NodeT, Queryable};
-use lpv_lab::propagate::scheme;
 use lpv_lab::scene::Scene;
 use lpv_lab::simulation::Simulation;
 use lpv_lab::study::ballistic::{self, Ballistic};
 use lpv_lab::study::error::Metric;
+use lpv_lab::transport::lattice::schemes;
 
 use crate::driver::*;
 
@@ -97,7 +97,7 @@ fn run_time_is_set_against_error_and_can_be_called_off() {
     click(&mut harness, "Measure");
     harness.get_by_label("Run time against error");
     let rows = lab(&harness).pareto_rows().to_vec();
-    for scheme in scheme::names() {
+    for scheme in schemes::names() {
         for (levels, reference) in
             ["uniform", "same", "consistent"].into_iter().flat_map(|l| [(l, "uniform"), (l, "ballistic")])
         {
@@ -119,7 +119,7 @@ fn run_time_is_set_against_error_and_can_be_called_off() {
     answer(&mut harness, &folder.path().join("pareto.svg"), "Save to file");
     let text = std::fs::read_to_string(folder.path().join("pareto.svg")).unwrap();
     resvg::usvg::Tree::from_str(&text, &resvg::usvg::Options::default()).unwrap();
-    assert!(scheme::names().iter().all(|name| text.contains(name)) && text.contains("what nothing beats"));
+    assert!(schemes::names().iter().all(|name| text.contains(name)) && text.contains("what nothing beats"));
 
     harness.get_by_label("Measure").click();
     harness.step();

@@ -4,15 +4,16 @@ use egui::{DragValue, Ui};
 
 use super::field::{choice, number, row};
 use crate::app::critical::warning;
-use crate::propagate::levels::Policy;
-use crate::propagate::ordinates;
-use crate::propagate::ordinates::directions::Lattice;
-use crate::propagate::ordinates::setting::{MOST_DIRECTIONS, Setting};
-use crate::propagate::ordinates::shares::Rule;
-use crate::propagate::{self, scheme};
 use crate::scene::Propagation;
-use crate::scene::preset::{MOST_ITERATIONS, Snapshots};
+use crate::scene::ordinates::Lattice;
+use crate::scene::ordinates::Rule;
+use crate::scene::ordinates::{MOST_DIRECTIONS, Setting};
+use crate::scene::propagation::Policy;
+use crate::scene::propagation::{MOST_ITERATIONS, Snapshots};
 use crate::study::stability::outlook::Exceeded;
+use crate::transport;
+use crate::transport::lattice::schemes;
+use crate::transport::ordinates;
 
 /// The largest factor that can be dragged to: far beyond where every scheme grows without bound.
 const LARGEST_FACTOR: f64 = 100.0;
@@ -20,8 +21,8 @@ const LARGEST_FACTOR: f64 = 100.0;
 /// The fields of a propagator; those that the preset shares with no other. `exceeded` is a level that bears less
 /// than its factor.
 pub fn ui(ui: &mut Ui, propagation: &mut Propagation, exceeded: Option<Exceeded>) {
-    let schemes: Vec<String> = propagate::names().iter().map(|name| (*name).to_owned()).collect();
-    let about = scheme::find(&propagation.scheme);
+    let schemes: Vec<String> = transport::names().iter().map(|name| (*name).to_owned()).collect();
+    let about = schemes::find(&propagation.scheme);
     let hint = match about {
         Some(scheme) => format!("{}\n{}", scheme.summary, scheme.source),
         None => "Light that keeps its direction, on the finest level".to_owned(),

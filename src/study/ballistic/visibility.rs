@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use crate::field::Cell;
-use crate::propagate::transparency::Transparency;
+use crate::transport::transparency::Transparency;
 
 /// Lines of sight among the cells of a volume.
 #[derive(Clone, Debug)]
@@ -105,11 +105,11 @@ impl<'a> Visibility<'a> {
 mod tests {
     use super::*;
     use crate::field::Layout;
-    use crate::propagate::geometry::Blocker;
+    use crate::scene::Solid;
     use glam::DVec3;
 
     fn among(cells: &[(Cell, f64)]) -> Transparency {
-        let blocker = |&(cell, opacity): &(Cell, f64)| Blocker { cell, normal: DVec3::X, opacity, albedo: [0.0; 3] };
+        let blocker = |&(cell, opacity): &(Cell, f64)| Solid { cell, normal: DVec3::X, opacity, albedo: [0.0; 3] };
         Transparency::new(8, &cells.iter().map(blocker).collect::<Vec<_>>()).unwrap()
     }
 

@@ -3,9 +3,9 @@
 
 use glam::Vec4;
 
-use crate::propagate::face::Direction;
-use crate::propagate::stencil::Stencil;
 use crate::sh::Sh;
+use crate::transport::lattice::face::Direction;
+use crate::transport::lattice::stencil::Stencil;
 
 /// An n³ volume as an array of structures.
 pub struct Aos {
@@ -73,12 +73,12 @@ impl Aos {
 mod tests {
     use super::*;
     use crate::field::Grid;
-    use crate::propagate::kernel::plain;
-    use crate::propagate::scheme;
+    use crate::transport::lattice::kernel::plain;
+    use crate::transport::lattice::schemes;
 
     #[test]
     fn it_is_the_same_propagation() {
-        let stencil = Stencil::new(&scheme::find("cascaded").unwrap(), 3.0, true);
+        let stencil = Stencil::new(&schemes::find("cascaded").unwrap(), 3.0, true);
         let light = Sh([1.0, 0.4, -0.2, 0.1]);
         let (mut aos, mut source, mut target) = (Aos::new(8, &stencil), Grid::new(8), Grid::new(8));
         aos.fill(light);

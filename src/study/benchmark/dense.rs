@@ -6,12 +6,13 @@ use std::time::Instant;
 use super::Sample;
 use super::aos::Aos;
 use crate::field::{Grid, Marks};
-use crate::propagate::active::everywhere;
-use crate::propagate::kernel::form::Form;
-use crate::propagate::kernel::{Instructions, Level, Order, blocked, plain, step, team};
-use crate::propagate::scheme::Scheme;
-use crate::propagate::stencil::Stencil;
 use crate::sh::Sh;
+use crate::transport::lattice::active::everywhere;
+use crate::transport::lattice::kernel::form::Form;
+use crate::transport::lattice::kernel::{Instructions, Level, Order, blocked, plain, step};
+use crate::transport::lattice::scheme::Scheme;
+use crate::transport::lattice::stencil::Stencil;
+use crate::transport::team;
 
 /// Light that no clamp touches.
 const LIGHT: Sh<f32> = Sh([1.0, 0.1, 0.2, -0.15]);

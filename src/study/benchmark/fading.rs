@@ -1,5 +1,5 @@
 //! Light that fades for 2000 iterations at p = 3, far below the smallest normal number were it not for the
-//! floor of every loop ([`crate::propagate::kernel::FLOOR`]): late iterations must not take longer.
+//! floor of every loop ([`crate::transport::lattice::kernel::FLOOR`]): late iterations must not take longer.
 
 use std::time::Instant;
 

@@ -2,9 +2,9 @@
 
 use super::ratio;
 use crate::field::{Cell, Layout, Levels};
-use crate::propagate::barrier::Barrier;
-use crate::propagate::face::Direction;
 use crate::scene::Scene;
+use crate::transport::lattice::barrier::Barrier;
+use crate::transport::lattice::face::Direction;
 
 /// What a scene says about its finest cells, x fastest.
 pub(super) struct Places {
@@ -24,10 +24,10 @@ impl Places {
         let mut behind = vec![false; n.pow(3)];
         // One level is enough to tell what light can reach; a size that makes none has no cells either.
         if let Some(finest) = Levels::new(n, n) {
-            Barrier::<f32>::new(finest, &scene.blockers, lit()).shut().for_each(|cell| behind[index(cell)] = true);
+            Barrier::<f32>::new(finest, &scene.solids, lit()).shut().for_each(|cell| behind[index(cell)] = true);
         }
         let mut before: Vec<bool> = behind.iter().map(|shut| !shut).collect();
-        for blocker in &scene.blockers {
+        for blocker in &scene.solids {
             (before[index(blocker.cell)], behind[index(blocker.cell)]) = (false, false);
         }
         Places { n, steps: steps(n, lit().collect()), before, behind }
@@ -89,7 +89,7 @@ fn steps(n: usize, from: Vec<Cell>) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::propagate::geometry::Blocker;
+    use crate::scene::Solid;
     use crate::scene::{Occlusion, Propagation, Source};
     use crate::sh::Sh;
     use glam::DVec3;
@@ -97,12 +97,12 @@ mod tests {
     /// A light at (0, 0, 0) of a 4³ volume, and an opaque wall at x = 1 with a hole or without.
     fn places(closed: bool) -> Places {
         let wall = Layout::new(4).cells().filter(|c| c[0] == 1 && (closed || *c != [1, 3, 3]));
-        let block = |cell| Blocker { cell, normal: DVec3::NEG_X, opacity: 1.0, albedo: [0.0; 3] };
+        let block = |cell| Solid { cell, normal: DVec3::NEG_X, opacity: 1.0, albedo: [0.0; 3] };
         Places::of(&Scene {
             size: 4,
             coarsest: 1,
             sources: vec![Source { color: [1.0; 3], light: vec![([0; 3], Sh::lobe(DVec3::X))] }],
-            blockers: wall.map(block).collect(),
+            solids: wall.map(block).collect(),
             occlusion: Occlusion::default(),
             propagation: Propagation::default(),
         })

@@ -17,7 +17,7 @@ pub(super) fn anisotropy(propagation: &Propagation) -> Result<f64, SimulationErr
         size: SIDE,
         coarsest: SIDE,
         sources: vec![Source { color: [1.0; 3], light: vec![([middle; 3], Sh([1.0, 0.0, 0.0, 0.0]))] }],
-        blockers: Vec::new(),
+        solids: Vec::new(),
         occlusion: Occlusion::default(),
         propagation: Propagation { iterations: ITERATIONS, ..propagation.clone() },
     };

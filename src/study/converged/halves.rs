@@ -7,7 +7,7 @@
 
 use super::lit::Lit;
 use crate::field::Grid;
-use crate::propagate::kernel::team;
+use crate::transport::team;
 
 /// Where the cells of a half lie: slab by slab, in each the four planes, all with a dark border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -150,8 +150,8 @@ pub fn join(even: &Half, odd: [&Half; 2], lit: &Lit, grid: &mut Grid<f32>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::propagate::active::everywhere;
     use crate::sh::Sh;
+    use crate::transport::lattice::active::everywhere;
 
     #[test]
     fn what_is_split_is_joined_again() {

@@ -1,9 +1,10 @@
 //! The first steps, on which clamps act: light on its way into the cone.
 
 use crate::field::{Grid, Marks};
-use crate::propagate::kernel::form::Form;
-use crate::propagate::kernel::step::{pieces, step};
-use crate::propagate::kernel::{Instructions, Level, Order, lies_in_cone, team};
+use crate::transport::lattice::kernel::form::Form;
+use crate::transport::lattice::kernel::step::{pieces, step};
+use crate::transport::lattice::kernel::{Instructions, Level, Order, lies_in_cone};
+use crate::transport::team;
 
 /// The most steps taken.
 const MOST_STEPS: usize = 16;

@@ -15,7 +15,7 @@
 
 use std::f64::consts::PI;
 
-use crate::propagate::kernel::form::Share;
+use crate::transport::lattice::kernel::form::Share;
 
 /// Waves looked at along each diagonal.
 const WAVES: usize = 64;
@@ -90,13 +90,13 @@ fn squares(share: &Share<f32>, phase: f64, across: f64, axes: usize) -> impl Ite
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::propagate::kernel::form::Form;
-    use crate::propagate::scheme;
-    use crate::propagate::stencil::Stencil;
+    use crate::transport::lattice::kernel::form::Form;
+    use crate::transport::lattice::schemes;
+    use crate::transport::lattice::stencil::Stencil;
 
     #[test]
     fn a_uniform_wave_has_the_gains_of_the_stencil() {
-        let stencil = Stencil::<f32>::new(&scheme::find("cascaded").unwrap(), 3.8, false);
+        let stencil = Stencil::<f32>::new(&schemes::find("cascaded").unwrap(), 3.8, false);
         let share = Form::of(&stencil).unwrap().share;
         let mut wanted = stencil.uniform_gain().map(|gain| gain * gain);
         let mut found: Vec<f64> = squares(&share, 0.0, 0.0, 3).map(|point| point.real).collect();
@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn the_polynomials_fall_everywhere_on_the_spectrum() {
-        let stencil = Stencil::<f32>::new(&scheme::find("cascaded").unwrap(), 3.8, false);
+        let stencil = Stencil::<f32>::new(&schemes::find("cascaded").unwrap(), 3.8, false);
         let mut roots = Roots::new(&Form::of(&stencil).unwrap().share, 64);
         let zeros: Vec<f64> = (0..30).map(|k| roots.get(k)).collect();
         assert_eq!(zeros[0], 0.0);

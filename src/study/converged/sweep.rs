@@ -6,8 +6,8 @@ use multiversion::multiversion;
 
 use super::halves::{Half, Shape, parity};
 use super::lit::Lit;
-use crate::propagate::kernel::form::Share;
-use crate::propagate::kernel::team;
+use crate::transport::lattice::kernel::form::Share;
+use crate::transport::team;
 
 /// Cells computed at a time.
 const LANES: usize = 16;

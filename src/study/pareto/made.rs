@@ -18,7 +18,7 @@ pub fn scenes(n: usize, factor: f64) -> [(&'static str, Scene); 3] {
         size: n,
         coarsest: 1,
         sources,
-        blockers: Vec::new(),
+        solids: Vec::new(),
         occlusion: Occlusion::default(),
         propagation: Propagation { factor, ..Propagation::default() },
     };

@@ -3,20 +3,20 @@
 use std::time::Instant;
 
 use crate::field::Grid;
-use crate::propagate::levels::Policy;
-use crate::propagate::ordinates::directions::Lattice;
-use crate::propagate::ordinates::shares::Rule;
-use crate::propagate::ordinates::{Ordinates, Room};
-use crate::propagate::scheme;
-use crate::propagate::transparency::Transparency;
 use crate::scene::occluder::OcclusionMode;
-use crate::scene::preset::Snapshots;
+use crate::scene::ordinates::Lattice;
+use crate::scene::ordinates::Rule;
+use crate::scene::propagation::Policy;
+use crate::scene::propagation::Snapshots;
 use crate::scene::{Propagation, Scene};
 use crate::simulation::options::Wanted;
 use crate::simulation::{Simulation, SimulationError};
 use crate::study::ballistic;
 use crate::study::converged::{Refusal, Solver};
 use crate::study::reference;
+use crate::transport::lattice::schemes;
+use crate::transport::ordinates::{Ordinates, Room};
+use crate::transport::transparency::Transparency;
 
 /// Iterations after which a scheme is looked at.
 pub(super) const ITERATIONS: [usize; 6] = [1, 2, 4, 8, 16, 32];
@@ -51,9 +51,9 @@ pub(super) struct Outcome {
 
 impl Start {
     pub(super) fn new(scene: &Scene) -> Result<Self, SimulationError> {
-        let scene = with(scene, scheme::names()[0], "uniform", 0);
+        let scene = with(scene, schemes::names()[0], "uniform", 0);
         let blocks = scene.occlusion.mode != OcclusionMode::Off;
-        let occluders = Transparency::new(scene.size, if blocks { &scene.blockers } else { &[] });
+        let occluders = Transparency::new(scene.size, if blocks { &scene.solids } else { &[] });
         Ok(Start { injected: reference::injected(&scene)?, occluders, scene })
     }
 }
@@ -75,7 +75,7 @@ pub(super) fn with(scene: &Scene, scheme: &str, levels: &str, iterations: usize)
 /// Every way there is.
 pub(super) fn all() -> Vec<Way> {
     let mut ways = Vec::new();
-    for scheme in scheme::names() {
+    for scheme in schemes::names() {
         for levels in ["uniform", Policy::Same.name(), Policy::Consistent.name()] {
             ways.extend(ITERATIONS.map(|iterations| Way::Iterate { scheme, levels, iterations }));
         }

@@ -23,12 +23,12 @@
 //! snapshots bring with them; so the lab sums plainly, and runs in f64 what needs more digits.
 
 use crate::field::Grid;
-use crate::propagate::scheme::Scheme;
-use crate::propagate::stencil::Stencil;
-use crate::scene::preset::Propagation;
+use crate::scene::Propagation;
 use crate::scene::{Occlusion, Scene, Source};
 use crate::sh::{LOBE0, LOBE1, Real, Sh};
 use crate::simulation::{Action, Simulation, SimulationError};
+use crate::transport::lattice::scheme::Scheme;
+use crate::transport::lattice::stencil::Stencil;
 
 /// Half a unit in the last place of 1 in f32: the largest relative error of one rounding.
 pub const UNIT: f64 = f32::EPSILON as f64 / 2.0;
@@ -104,7 +104,7 @@ impl LongRun<'_> {
             size: self.size,
             coarsest: self.size,
             sources: vec![Source { color: [1.0; 3], light: vec![(middle, Sh::lobe(glam::DVec3::X))] }],
-            blockers: Vec::new(),
+            solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation {
                 scheme: self.scheme.name.to_owned(),
@@ -141,12 +141,12 @@ fn off(found: f64, expected: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::propagate::scheme;
     use crate::study::stability::of_scheme;
+    use crate::transport::lattice::schemes;
 
     #[test]
     fn single_precision_stays_within_the_bound_at_the_critical_factor() {
-        for scheme in scheme::all() {
+        for scheme in schemes::all() {
             let (size, factor) = of_scheme(&scheme, &[4]).critical[0];
             let rows = LongRun { scheme: &scheme, size, factor, iterations: 2000, rows: 4 }.run().unwrap();
             assert_eq!(rows.iter().map(|row| row.iteration).collect::<Vec<_>>(), [500, 1000, 1500, 2000]);
@@ -161,7 +161,7 @@ mod tests {
     #[test]
     fn the_bound_counts_what_the_derivation_says() {
         // Cascaded: five faces, m = 2 + 4 + 1 + 5 + 6; directions as long as a lobe's make κ = 1 + ρ·√3 = 3.
-        let stencil = Stencil::new(&crate::propagate::cascaded::scheme(), 3.0, true);
+        let stencil = Stencil::new(&crate::transport::lattice::schemes::cascaded::scheme(), 3.0, true);
         assert!((rounding(&stencil) / (18.0 * 3.0 * UNIT) - 1.0).abs() < 1e-9);
     }
 }

@@ -1,9 +1,10 @@
 //! One level of an octree by itself: the long-run growth of its light, and the factor it bears.
 
 use super::{Borders, Start, growth};
-use crate::propagate::levels::{self, Policy};
-use crate::propagate::scheme::Scheme;
-use crate::propagate::stencil::Stencil;
+use crate::scene::propagation::Policy;
+use crate::transport::lattice::levels;
+use crate::transport::lattice::scheme::Scheme;
+use crate::transport::lattice::stencil::Stencil;
 
 /// The largest side whose growth is computed; beyond it the law of large volumes is near enough.
 const LARGEST_COMPUTED: usize = 32;
@@ -71,7 +72,7 @@ pub fn critical_of_octree(scheme: &Scheme, policy: Policy, size: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::propagate::cascaded;
+    use crate::transport::lattice::schemes::cascaded;
 
     #[test]
     fn large_volumes_continue_the_law_of_the_computed_ones() {

@@ -5,10 +5,11 @@ use std::f64::consts::PI;
 
 use super::level::{critical, long_run_growth, without_borders};
 use crate::field::Levels;
-use crate::propagate::levels::{LevelOperator, operators};
-use crate::propagate::scheme::{self, Scheme};
 use crate::scene::{Propagation, Scene};
 use crate::simulation::limit;
+use crate::transport::lattice::levels::{LevelOperator, operators};
+use crate::transport::lattice::scheme::Scheme;
+use crate::transport::lattice::schemes;
 
 /// What becomes of the light of one level.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,7 +100,7 @@ pub fn warning(scene: &Scene) -> Option<String> {
 
 /// The scheme, the levels and their operators; none where the simulation will refuse one of them.
 fn parts(propagation: &Propagation, size: usize, coarsest: usize) -> Option<(Scheme, Levels, Vec<LevelOperator<f64>>)> {
-    let scheme = scheme::find(&propagation.scheme)?;
+    let scheme = schemes::find(&propagation.scheme)?;
     let sizes = Levels::new(size, coarsest)?;
     let operators = operators(&scheme, propagation.factor, propagation.clamp, propagation.levels, sizes.count());
     Some((scheme, sizes, operators.ok()?))
@@ -141,7 +142,7 @@ mod tests {
             size,
             coarsest: 1,
             sources: vec![Source { color: [1.0, 0.5, 0.0], light }],
-            blockers: Vec::new(),
+            solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation { factor, ..Propagation::default() },
         }

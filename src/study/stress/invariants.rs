@@ -6,12 +6,13 @@ mod steps;
 use std::fmt;
 use std::path::Path;
 
-use crate::propagate::levels::operators;
-use crate::propagate::scheme::{self, Scheme};
-use crate::propagate::stencil::Stencil;
 use crate::scene::occluder::OcclusionMode;
 use crate::scene::{Preset, Propagation, Scene};
 use crate::simulation::{Action, Simulation, SimulationError};
+use crate::transport::lattice::levels::operators;
+use crate::transport::lattice::scheme::{Scheme, Surface};
+use crate::transport::lattice::schemes;
+use crate::transport::lattice::stencil::Stencil;
 
 /// A rule that no scene may break.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,9 +112,9 @@ struct Case {
 impl Case {
     fn new(preset: &Preset) -> Result<Self, String> {
         let scene = Scene::build(preset, Path::new("")).map_err(|error| error.to_string())?;
-        let scheme = scheme::find(&scene.propagation.scheme).ok_or("the scheme is not known")?;
+        let scheme = schemes::find(&scene.propagation.scheme).ok_or("the scheme is not known")?;
         let clamped = scene.propagation.clamp && scheme.faces.iter().all(|face| face.clamp);
-        let free = scene.blockers.is_empty() || scene.occlusion.mode == OcclusionMode::Off;
+        let free = scene.solids.is_empty() || scene.occlusion.mode == OcclusionMode::Off;
         Ok(Case { scene, scheme, clamped, free })
     }
 
@@ -141,7 +142,7 @@ impl Case {
     }
 
     fn reflects_nothing(&self) -> bool {
-        self.scene.occlusion.bounce == 0.0 && self.scheme.surface == scheme::Surface::Blocked
+        self.scene.occlusion.bounce == 0.0 && self.scheme.surface == Surface::Blocked
     }
 }
 

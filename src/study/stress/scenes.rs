@@ -1,13 +1,13 @@
 //! Random presets: common ones and extreme ones, all of which a file could hold.
 
 use crate::field::Cell;
-use crate::propagate::levels::Policy;
-use crate::propagate::scheme;
 use crate::scene::Preset;
 use crate::scene::injector::{Injector, InjectorKind, Side};
 use crate::scene::occluder::{Axis, BlockingSign, Occluder, OccluderKind, Occlusion, OcclusionMode};
-use crate::scene::preset::{Propagation, Snapshots};
+use crate::scene::propagation::Policy;
+use crate::scene::propagation::{Propagation, Snapshots};
 use crate::study::random::Random;
+use crate::transport::lattice::schemes;
 
 /// A preset of side 1 to 16 that passes [`Preset::check`] and names no file.
 pub fn preset(random: &mut Random) -> Preset {
@@ -35,7 +35,7 @@ pub fn preset(random: &mut Random) -> Preset {
 }
 
 fn propagation(random: &mut Random) -> Propagation {
-    let schemes = scheme::names();
+    let schemes = schemes::names();
     let factor = match random.below(8) {
         0 => 0.0,
         1 => 4.0,

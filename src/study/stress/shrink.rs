@@ -1,10 +1,10 @@
 //! A preset made smaller, step by step, as long as it still shows what it was chosen for.
 
-use crate::propagate::levels::Policy;
 use crate::scene::Preset;
 use crate::scene::injector::InjectorKind;
 use crate::scene::occluder::{OccluderKind, Occlusion};
-use crate::scene::preset::Snapshots;
+use crate::scene::propagation::Policy;
+use crate::scene::propagation::Snapshots;
 
 /// The smallest preset that can be reached from `preset` by the steps below and for which `shows` holds,
 /// as it does for `preset`.

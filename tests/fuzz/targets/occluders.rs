@@ -13,7 +13,7 @@ fuzz_target!(|bytes: &[u8]| {
     let preset = Preset { size: 4, occluders: vec![occluder], ..Preset::default() };
     match Scene::build(&preset, path.parent().expect("a folder")) {
         Ok(scene) => {
-            for blocker in &scene.blockers {
+            for blocker in &scene.solids {
                 assert!(blocker.cell.iter().all(|c| *c < 4) && (0.0..=1.0).contains(&blocker.opacity));
                 assert!(blocker.normal.is_finite() && blocker.normal.length() < 1.0 + 1e-9);
             }

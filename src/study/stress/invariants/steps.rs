@@ -4,12 +4,12 @@ use glam::DVec3;
 
 use super::{Broken, Case, Invariant};
 use crate::field::{Cell, Grid};
-use crate::propagate::face::Direction;
-use crate::propagate::stencil::Stencil;
-use crate::scene::preset::Snapshots;
+use crate::scene::propagation::Snapshots;
 use crate::sh::Sh;
 use crate::simulation::Simulation;
 use crate::study::stability::drift::rounding;
+use crate::transport::lattice::face::Direction;
+use crate::transport::lattice::stencil::Stencil;
 
 /// Rounding aside, in single precision and a few dozen terms a cell.
 const SLACK: f64 = 1e-4;
@@ -223,7 +223,7 @@ mod tests {
     #[test]
     fn a_lone_lobe_gains_most_as_published() {
         // MATH.md section 2: from a raw lobe along an axis the clamp makes the iteration gain 13.82 % at p = 4.
-        let stencil = Stencil::new(&crate::propagate::cascaded::scheme(), 4.0, true);
+        let stencil = Stencil::new(&crate::transport::lattice::schemes::cascaded::scheme(), 4.0, true);
         let found = greatest_gain(&stencil);
         assert!(found > 1.1382 && found < 1.25, "{found}");
     }

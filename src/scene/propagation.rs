@@ -1,0 +1,128 @@
+//! What a preset says of how light is propagated.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use super::error::{Problem, Step, nearest, quote};
+use super::ordinates::{MOST_DIRECTIONS, Setting};
+
+/// The most iterations of one run.
+pub const MOST_ITERATIONS: usize = 1_000_000;
+
+/// How light is propagated.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Propagation {
+    /// The propagator's name, as `lpv-lab schemes` lists it, or `ordinates`; `cascaded`.
+    pub scheme: String,
+    /// The propagation factor p, finite, ≥ 0; 3. With `cascaded` and `ordinates` 4 keeps the energy (000, 3.2.3).
+    pub factor: f64,
+    /// Iterations of a whole run, up to [`MOST_ITERATIONS`]; 16.
+    pub iterations: usize,
+    /// What is summed; `Thesis`.
+    pub snapshots: Snapshots,
+    /// Whether negative flux counts as none; true. Off, every iteration is linear.
+    pub clamp: bool,
+    /// How the operator follows from the level of the octree; `Same`.
+    pub levels: Policy,
+    /// The directions of the propagator `ordinates`; the others have none.
+    #[serde(skip_serializing_if = "is_default")]
+    pub ordinates: Setting,
+}
+
+/// What the accumulated grid sums, and what the first iteration sends on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Snapshots {
+    /// S_0 + … + S_k (000, 3.2.3).
+    #[default]
+    Thesis,
+    /// NVIDIA's sample: S_1 := S_0 + p·P(S_0), so the source is propagated twice; S_1 + … + S_k.
+    CopyFirst,
+    /// The light that has moved and no other: S_1 + … + S_k, with S_1 = p·P(S_0) as in the thesis.
+    WithoutInjected,
+}
+
+/// How the operator follows from the level.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Policy {
+    /// One factor for all levels, as in the thesis (000, 4.2).
+    #[default]
+    Same,
+    /// Each level's operator keeps the light that stays in its larger cells; see `transport::lattice::levels`.
+    Consistent,
+}
+
+impl Policy {
+    /// Both policies, the default first.
+    pub const ALL: [Policy; 2] = [Policy::Same, Policy::Consistent];
+
+    /// Its name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Policy::Same => "same",
+            Policy::Consistent => "consistent",
+        }
+    }
+}
+
+impl fmt::Display for Policy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl Default for Propagation {
+    fn default() -> Self {
+        Propagation {
+            scheme: "cascaded".to_owned(),
+            factor: 3.0,
+            iterations: 16,
+            snapshots: Snapshots::Thesis,
+            clamp: true,
+            levels: Policy::Same,
+            ordinates: Setting::default(),
+        }
+    }
+}
+
+impl Propagation {
+    pub(super) fn check(&self) -> Result<(), Problem> {
+        let known = crate::transport::names();
+        if !known.contains(&self.scheme.as_str()) {
+            let what = format!("the scheme {} is not known", quote(&self.scheme));
+            let remedy = match nearest(&self.scheme, &known) {
+                Some(near) => format!("did you mean `{near}`? Known are {}", known.join(", ")),
+                None => format!("known are {}", known.join(", ")),
+            };
+            return Err(Problem::new(what, remedy).field("scheme"));
+        }
+        not_negative(self.factor, "the factor").map_err(|p| p.field("factor"))?;
+        if self.iterations > MOST_ITERATIONS {
+            let what = format!("{} iterations are too many", self.iterations);
+            return Err(Problem::new(what, format!("at most {MOST_ITERATIONS} are run")).field("iterations"));
+        }
+        let directions = self.ordinates.directions;
+        if !(1..=MOST_DIRECTIONS).contains(&directions) {
+            let problem = Problem::new(
+                format!("there cannot be {directions} directions"),
+                format!("from 1 to {MOST_DIRECTIONS}"),
+            );
+            return Err(problem.field("directions").within(Step::Field("ordinates")));
+        }
+        Ok(())
+    }
+}
+
+/// Checks that a number is finite and not below zero; `what` names it.
+pub(super) fn not_negative(value: f64, what: &str) -> Result<(), Problem> {
+    if value.is_finite() && value >= 0.0 {
+        return Ok(());
+    }
+    Err(Problem::new(format!("{what} is {value}"), "write a finite number, zero or more"))
+}
+
+/// Whether a value is its type's default, which documents leave out.
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}

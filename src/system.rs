@@ -1,0 +1,3 @@
+//! What the program needs of the machine that it runs on.
+
+pub mod memory;

@@ -1,0 +1,65 @@
+//! What the machine has left of its memory.
+
+mod control_group;
+
+use std::path::Path;
+
+/// Bytes that can be taken before the machine runs out, as Linux estimates them, or the container or service that
+/// the program runs in; `None` where neither is known.
+pub fn free() -> Option<u64> {
+    free_under(Path::new("/"))
+}
+
+/// The same, with the system's files under `root`.
+fn free_under(root: &Path) -> Option<u64> {
+    let of_machine = std::fs::read_to_string(root.join("proc/meminfo")).ok().and_then(|text| available(&text));
+    [of_machine, control_group::left(root)].into_iter().flatten().min()
+}
+
+/// The line `MemAvailable:  123 kB` of /proc/meminfo.
+fn available(text: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    kilobytes.checked_mul(1024)
+}
+
+/// A number of bytes as people say it, `3.4 GiB`.
+pub fn in_words(bytes: u64) -> String {
+    match bytes {
+        0x4000_0000.. => format!("{:.1} GiB", bytes as f64 / f64::from(1u32 << 30)),
+        _ => format!("{:.1} MiB", bytes as f64 / f64::from(1u32 << 20)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_machine_and_its_groups_are_asked_and_the_least_counts() {
+        let root = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| {
+            let path = root.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+        };
+        assert_eq!(free_under(root.path()), None);
+        write("proc/meminfo", "MemAvailable: 8 kB\n");
+        assert_eq!(free_under(root.path()), Some(8192));
+        write("proc/self/cgroup", "0::/\n");
+        write("sys/fs/cgroup/memory.current", "1000\n");
+        for (limit, free) in [("max", 8192), ("100000", 8192), ("5000", 4000), ("500", 0)] {
+            write("sys/fs/cgroup/memory.max", limit);
+            assert_eq!(free_under(root.path()), Some(free), "{limit}");
+        }
+    }
+
+    #[test]
+    fn the_line_of_linux_is_read_and_no_other() {
+        let text = "MemTotal:       16 kB\nMemFree:  2 kB\nMemAvailable:    1024 kB\nBuffers: 3 kB\n";
+        assert_eq!(available(text), Some(1 << 20));
+        for text in ["", "MemAvailable: lots", "MemAvailable: 7", "MemAvailable: 99999999999999999999 kB"] {
+            assert_eq!(available(text), None, "{text}");
+        }
+    }
+}

@@ -1,0 +1,12 @@
+//! Light as two bands of spherical harmonics a cell, sent from each cell to its six neighbours: what a propagation
+//! scheme is, the [schemes] themselves, and the loops that apply one to a grid.
+
+pub mod active;
+pub mod barrier;
+pub mod face;
+pub mod geometry;
+pub mod kernel;
+pub mod levels;
+pub mod scheme;
+pub mod schemes;
+pub mod stencil;

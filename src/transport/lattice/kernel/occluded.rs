@@ -1,0 +1,289 @@
+//! One iteration among occluders, line by line as MATH.md section 9 has it, in either precision.
+//!
+//! Like [`super::plain`] this is a definition: it gathers, cell by cell, what the six neighbours send.
+
+use super::fuzzy::Around;
+pub use super::fuzzy::Fuzzy;
+use super::settle;
+use crate::field::{Cell, Grid, Layout};
+use crate::sh::{Real, Sh};
+use crate::transport::lattice::barrier::Barrier;
+use crate::transport::lattice::face::Direction;
+use crate::transport::lattice::geometry::Geometry;
+use crate::transport::lattice::stencil::Stencil;
+
+/// The occluders of a scene, and what they do to light.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Occluders<T> {
+    /// Blockers weaken light, and reflect some of it.
+    Fuzzy(Fuzzy<T>),
+    /// Occupied cells mirror light.
+    Mirrored(Mirrored<T>),
+    /// Occupied cells pass nothing.
+    Hard(Hard<T>),
+}
+
+/// Light that enters an occupied cell is mirrored on the axis along which it came, times opacity and albedo,
+/// and goes on from there (001, 4.2).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mirrored<T> {
+    /// The occupied cells.
+    pub geometry: Geometry<T>,
+}
+
+/// An occupied cell passes nothing. What would have entered it is mirrored back to the cell it came from,
+/// times albedo and bounce, and otherwise absorbed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hard<T> {
+    /// What passes.
+    pub barrier: Barrier<T>,
+    /// The albedos.
+    pub geometry: Geometry<T>,
+    /// What reflected light is multiplied by.
+    pub bounce: T,
+}
+
+/// Which light is propagated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Which {
+    /// The level, 0 the finest.
+    pub level: usize,
+    /// The colour whose albedo counts: 0 red, 1 green, 2 blue.
+    pub colour: usize,
+}
+
+impl<T: Real> Occluders<T> {
+    /// Sets `target` to what all cells of `source` send to their neighbours, as far as occluders let it.
+    /// Outside the grid is dark.
+    pub fn propagate(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, target: &mut Grid<T>) {
+        for cell in source.layout().cells() {
+            target.set(cell, self.receive(stencil, which, source, cell));
+        }
+    }
+
+    /// What one cell receives from its neighbours, and back from occluders.
+    fn receive(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, cell: Cell) -> Sh<T> {
+        let directions = 0..Direction::ALL.len();
+        settle(match self {
+            Occluders::Fuzzy(fuzzy) => fuzzy.receive(stencil, which, source, cell, &fuzzy.around(which.level, cell)),
+            Occluders::Mirrored(mirrored) => {
+                directions.map(|d| mirrored.receive(stencil, which, source, cell, d)).sum()
+            }
+            Occluders::Hard(hard) => directions.map(|d| hard.receive(stencil, which, source, cell, d)).sum(),
+        })
+    }
+
+    /// What number `i` of the `touched` cells receives.
+    pub(super) fn receive_touched(
+        &self,
+        stencil: &Stencil<T>,
+        which: Which,
+        source: &Grid<T>,
+        touched: &Touched<T>,
+        i: usize,
+    ) -> Sh<T> {
+        let cell = touched.cells[i];
+        match (self, touched.around.get(i)) {
+            (Occluders::Fuzzy(fuzzy), Some(around)) => settle(fuzzy.receive(stencil, which, source, cell, around)),
+            _ => self.receive(stencil, which, source, cell),
+        }
+    }
+
+    /// The cells of an n³ level whose light depends on an occluder; the others receive what they would
+    /// without any.
+    pub fn touched(&self, level: usize, n: usize) -> Touched<T> {
+        let is_touched = |cell: &Cell| match self {
+            Occluders::Fuzzy(fuzzy) => fuzzy.touches(level, *cell),
+            Occluders::Mirrored(mirrored) => mirrored.geometry.opacity(level, *cell) != T::ZERO,
+            Occluders::Hard(hard) => hard.touches(level, *cell, n),
+        };
+        let cells: Vec<Cell> = Layout::new(n).cells().filter(is_touched).collect();
+        let around = match self {
+            Occluders::Fuzzy(fuzzy) => cells.iter().map(|cell| fuzzy.around(level, *cell)).collect(),
+            _ => Vec::new(),
+        };
+        Touched { cells, around }
+    }
+}
+
+/// The cells of a level whose light depends on an occluder.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Touched<T> {
+    pub(super) cells: Vec<Cell>,
+    /// For fuzzy occluders, what lies around each of the cells.
+    around: Vec<[Around<T>; 6]>,
+}
+
+/// The light of the neighbour from which light in direction `d` enters `cell`; none outside the grid.
+pub(super) fn sender<T: Real>(source: &Grid<T>, cell: Cell, d: Direction) -> Sh<T> {
+    d.opposite().neighbour(cell, source.side()).map_or(Sh::ZERO, |sender| source.get(sender))
+}
+
+impl<T: Real> Mirrored<T> {
+    fn receive(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, cell: Cell, d: usize) -> Sh<T> {
+        let direction = Direction::ALL[d];
+        let sent = stencil.send(d, sender(source, cell, direction));
+        let occupied = self.geometry.opacity(which.level, cell);
+        let reflected = occupied * self.geometry.albedo(which.level, cell, which.colour);
+        sent * (T::of(1.0) - occupied) + sent.mirrored(direction.axis()) * reflected
+    }
+}
+
+impl<T: Real> Hard<T> {
+    /// Whether the cell or a neighbour holds light up.
+    fn touches(&self, level: usize, cell: Cell, n: usize) -> bool {
+        let is_open = |cell| (0..3).all(|axis| self.barrier.passes(level, cell, axis) == T::of(1.0));
+        !is_open(cell) || Direction::ALL.iter().any(|d| d.neighbour(cell, n).is_some_and(|next| !is_open(next)))
+    }
+
+    /// Besides what `cell` receives in direction `d`, what the neighbour in that direction sends back to it.
+    fn receive(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, cell: Cell, d: usize) -> Sh<T> {
+        let direction = Direction::ALL[d];
+        let passes = |cell| self.barrier.passes(which.level, cell, direction.axis());
+        let mut received = stencil.send(d, sender(source, cell, direction));
+        if let Some(next) = direction.neighbour(cell, source.side()) {
+            let albedo = self.geometry.albedo(which.level, next, which.colour);
+            let reflected = (T::of(1.0) - passes(next)) * albedo * self.bounce;
+            if reflected > T::ZERO {
+                received += stencil.send(d, source.get(cell)).mirrored(direction.axis()) * reflected;
+            }
+        }
+        received * passes(cell)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::Levels;
+    use crate::scene::Solid;
+    use crate::sh::SPHERE;
+    use crate::transport::lattice::face::{far_solid_angle, side_solid_angle};
+    use crate::transport::lattice::kernel::plain;
+    use crate::transport::lattice::schemes::{cascaded, reflective};
+    use glam::DVec3;
+
+    const RED: Which = Which { level: 0, colour: 0 };
+    const N: usize = 8;
+
+    /// A wall at x = 4 that faces −X, for red light of albedo 0.5.
+    fn wall(opacity: f64) -> Vec<Solid> {
+        let cells = Grid::<f64>::new(N).layout().cells().filter(|cell| cell[0] == 4);
+        let block = |cell| Solid { cell, normal: DVec3::NEG_X, opacity, albedo: [0.5, 0.0, 1.0] };
+        cells.map(block).collect()
+    }
+
+    fn geometry(solids: &[Solid]) -> Geometry<f64> {
+        Geometry::new(Levels::new(N, 1).unwrap(), solids)
+    }
+
+    /// What one iteration makes of a unit lobe towards +X in cell (3, 4, 4).
+    fn step(occluders: &Occluders<f64>, stencil: &Stencil<f64>) -> Grid<f64> {
+        let (mut source, mut target) = (Grid::new(N), Grid::new(N));
+        source.set([3, 4, 4], Sh::lobe(DVec3::X));
+        occluders.propagate(stencil, RED, &source, &mut target);
+        target
+    }
+
+    /// The flux of a unit lobe straight ahead and through the four sides, by the formulas of MATH.md section 2.
+    fn flux_ahead() -> (f64, f64) {
+        let value = |cosine: f64| 0.25 + 0.5 * cosine;
+        (value(1.0) * far_solid_angle() / SPHERE, 4.0 * value(2.0 / 5f64.sqrt()) * side_solid_angle() / SPHERE)
+    }
+
+    #[test]
+    fn cells_that_no_occluder_touches_receive_what_they_would_without() {
+        let stencil = Stencil::new(&cascaded::scheme(), 3.0, true);
+        let mut source = Grid::new(N);
+        for (i, cell) in source.layout().cells().enumerate() {
+            let (s, c) = (i as f64).sin_cos();
+            source.set(cell, Sh::lobe(DVec3::new(s, c, 0.0)));
+        }
+        let mut free = Grid::new(N);
+        plain::propagate(&stencil, &source, &mut free);
+        let corner: Vec<Solid> = wall(0.7).into_iter().filter(|b| b.cell[1] > 2 && b.cell[2] < 5).collect();
+        let barrier = Barrier::new(Levels::new(N, 1).unwrap(), &corner, [[0, 0, 0]]);
+        for (occluders, most) in [
+            (
+                Occluders::Fuzzy(Fuzzy {
+                    geometry: geometry(&corner),
+                    amplifier: 0.8,
+                    along_travel: false,
+                    bounce: 0.5,
+                }),
+                2 * 6 * 6,
+            ),
+            (Occluders::Mirrored(Mirrored { geometry: geometry(&corner) }), 5 * 5),
+            (Occluders::Hard(Hard { barrier, geometry: geometry(&corner), bounce: 0.5 }), 3 * 5 * 5 + 2 * 5),
+        ] {
+            let mut found = Grid::new(N);
+            occluders.propagate(&stencil, RED, &source, &mut found);
+            let touched = occluders.touched(0, N).cells;
+            assert!(!touched.is_empty() && touched.len() <= most, "{}", touched.len());
+            for (cell, light) in found.iter() {
+                assert!(light == free.get(cell) || touched.contains(&cell), "{cell:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_bounce_is_the_documented_multiple_of_the_flux_about_the_walls_normal() {
+        let stencil = Stencil::new(&cascaded::scheme(), 3.0, true);
+        let fuzzy = |bounce| {
+            Occluders::Fuzzy(Fuzzy { geometry: geometry(&wall(1.0)), amplifier: 0.8, along_travel: false, bounce })
+        };
+        // The far corners of cell (4, 4, 4) hold the wall: G = L(−X), facing the light with G · Y(−X) = 3/4.
+        // Nothing lies on the near side, so nothing is occluded.
+        let reflected = step(&fuzzy(0.6), &stencil).get([4, 4, 4]) - step(&fuzzy(0.0), &stencil).get([4, 4, 4]);
+        let (far, sides) = flux_ahead();
+        let expected = Sh::lobe(DVec3::NEG_X) * (3.0 * 0.75 * (far + sides) * 4.8 * 0.5 * 0.6);
+        assert!((reflected - expected).max_norm() < 1e-14, "{reflected:?}, {expected:?}");
+        assert_eq!(step(&fuzzy(0.6), &stencil).get([3, 5, 4]), step(&fuzzy(0.0), &stencil).get([3, 5, 4]));
+    }
+
+    #[test]
+    fn a_walls_front_blocks_against_travel_and_not_along_it() {
+        let stencil = Stencil::new(&cascaded::scheme(), 1.0, true);
+        // Light that enters cell (5, 4, 4) from (4, 4, 4) passes between them, where the wall is.
+        let passed = |along_travel| {
+            let fuzzy =
+                Occluders::Fuzzy(Fuzzy { geometry: geometry(&wall(1.0)), amplifier: 0.8, along_travel, bounce: 0.0 });
+            let (mut source, mut target) = (Grid::new(N), Grid::new(N));
+            source.set([4, 4, 4], Sh::lobe(DVec3::X));
+            fuzzy.propagate(&stencil, RED, &source, &mut target);
+            target.get([5, 4, 4]).0[0] / Sh::<f64>::lobe(DVec3::X).0[0]
+        };
+        let (far, sides) = flux_ahead();
+        let blocked = |cosine: f64| 1.0 - (0.8 * (0.25 + 0.5 * cosine)).max(0.0);
+        let expected = far * blocked(1.0) + sides * blocked(2.0 / 5f64.sqrt());
+        assert!((passed(false) - expected).abs() < 1e-14);
+        // Evaluated along travel, a lobe that faces the light is below zero in each of the five directions.
+        assert!((passed(true) - (far + sides)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_mirror_turns_the_axis_of_travel_and_keeps_opacity_times_albedo() {
+        let stencil = Stencil::new(&reflective::scheme(), 1.0, true);
+        let mirrored = step(&Occluders::Mirrored(Mirrored { geometry: geometry(&wall(0.8)) }), &stencil);
+        let free = step(&Occluders::Mirrored(Mirrored { geometry: geometry(&[]) }), &stencil);
+        let Sh([c00, x, ..]) = free.get([4, 4, 4]);
+        let expected = Sh([c00 * (0.2 + 0.4), x * (0.2 - 0.4), 0.0, 0.0]);
+        assert!((mirrored.get([4, 4, 4]) - expected).max_norm() < 1e-15);
+        assert_eq!(mirrored.get([3, 5, 4]), free.get([3, 5, 4]));
+    }
+
+    #[test]
+    fn a_hard_wall_sends_back_what_would_have_entered_and_passes_nothing() {
+        let stencil = Stencil::new(&reflective::scheme(), 1.0, true);
+        let sizes = Levels::new(N, 1).unwrap();
+        let hard = |bounce| {
+            let barrier = Barrier::new(sizes, &wall(1.0), [[3, 4, 4]]);
+            step(&Occluders::Hard(Hard { barrier, geometry: geometry(&wall(1.0)), bounce }), &stencil)
+        };
+        let free = step(&Occluders::Mirrored(Mirrored { geometry: geometry(&[]) }), &stencil);
+        assert!(hard(1.0).get([4, 4, 4]).is_zero());
+        let Sh([c00, x, ..]) = free.get([4, 4, 4]);
+        assert!((hard(0.6).get([3, 4, 4]) - Sh([0.3 * c00, -0.3 * x, 0.0, 0.0])).max_norm() < 1e-15);
+        assert!(hard(0.0).get([3, 4, 4]).is_zero());
+    }
+}

@@ -1,0 +1,235 @@
+//! Light that keeps its direction: discrete ordinates (MATH.md section 8).
+//!
+//! Every scheme of [the lattice](super::lattice) keeps two bands a cell, and blurs light like diffusion. Here light
+//! travels in N directions u_j, each with its own flux F_j in every cell. What comes into a cell leaves to the
+//! three neighbours downwind, in shares that are constants of the direction ([`shares`]); a cell that
+//! holds injected light c adds max(0, c·Y(u_j))·w_j, w_j being the solid angle that u_j stands for; an
+//! occupied cell passes the share of what enters that its opacity leaves. What arrives in a cell is
+//!
+//! ```text
+//! Σ_j F_j·Y(u_j)
+//! ```
+//!
+//! which approaches R of MATH.md section 6; S_A is that plus S_0. An iteration moves
+//! every front by one cell ([`stepper`]); one sweep through the cells in the order of the wind gives the
+//! sum over all iterations at once, and visits each cell once a direction ([`Ordinates::solve`]).
+//!
+//! What it gets wrong: with few directions light arrives in rays, and beams widen as they cross cell
+//! borders, the donor rule's more than the face rule's.
+
+pub mod directions;
+pub mod shares;
+pub mod stepper;
+mod sweep;
+
+use glam::DVec3;
+
+use super::team;
+use super::transparency::Transparency;
+use crate::field::Grid;
+use crate::scene::ordinates::{Lattice, Rule, Setting};
+use directions::Direction;
+use shares::Shares;
+
+/// The name by which presets and the command line call light that is propagated so.
+pub const NAME: &str = "ordinates";
+
+/// Directions computed side by side.
+const LANES: usize = 8;
+/// A number for each of them.
+type Lanes = [f32; LANES];
+/// Pieces that a sweep is cut into, of two octants each: always the same, so that the sum is too.
+const PIECES: usize = 4;
+
+/// A set of directions made ready to run.
+#[derive(Clone, Debug)]
+pub struct Ordinates {
+    rule: Rule,
+    count: usize,
+    octants: Vec<Octant>,
+}
+
+/// The directions that share their signs, and so the order in which they meet cells.
+#[derive(Clone, Debug)]
+struct Octant {
+    /// For x, y and z, whether light travels towards smaller indices.
+    backwards: [bool; 3],
+    groups: Vec<Group>,
+}
+
+/// Eight directions of an octant; where there are fewer, the last lanes carry nothing.
+#[derive(Clone, Debug, Default)]
+struct Group {
+    way: [Lanes; 3],
+    weight: Lanes,
+    through: [[Lanes; 3]; 3],
+    start: [Lanes; 3],
+}
+
+impl Ordinates {
+    /// About `count` directions of a lattice, as [`Lattice::directions`] has it, with a rule for their shares.
+    pub fn new(lattice: Lattice, count: usize, rule: Rule) -> Self {
+        let set = directions::directions(lattice, count);
+        let octants = (0..8)
+            .map(|o| {
+                let backwards = [o & 1 != 0, o & 2 != 0, o & 4 != 0];
+                let here: Vec<&Direction> =
+                    set.iter().filter(|d| d.way.to_array().map(|c| c < 0.0) == backwards).collect();
+                Octant { backwards, groups: here.chunks(LANES).map(|chunk| Group::new(chunk, rule)).collect() }
+            })
+            .collect();
+        Ordinates { rule, count: set.len(), octants }
+    }
+
+    /// The directions of a setting.
+    pub fn of(setting: &Setting) -> Self {
+        Ordinates::new(setting.lattice, setting.directions, setting.rule)
+    }
+
+    /// How many directions there are, N.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// The rule by which light is shared.
+    pub fn rule(&self) -> Rule {
+        self.rule
+    }
+
+    /// What arrives in each cell, Σ_j F_j·Y(u_j), once all injected light has gone all its way. A cell's own
+    /// light is not in it.
+    pub fn solve(&self, injected: &Grid<f32>, occluders: Option<&Transparency>) -> Grid<f32> {
+        let mut arrived = Grid::new(injected.side());
+        self.solve_in(&mut Room::new(injected.side()), injected, occluders, &mut arrived);
+        arrived
+    }
+
+    /// [`Self::solve`] with memory that is there already; all grids are of one size.
+    pub fn solve_in(
+        &self,
+        room: &mut Room,
+        injected: &Grid<f32>,
+        occluders: Option<&Transparency>,
+        arrived: &mut Grid<f32>,
+    ) {
+        let lit = sweep::lit_rows(injected);
+        let octants = self.octants.chunks(self.octants.len() / PIECES);
+        team::share(octants.zip(&mut room.pieces).collect(), |(octants, Piece { under_way, arrived }): (&[_], _)| {
+            arrived.clear();
+            for octant in octants {
+                sweep::sweep(octant, self.rule, (injected, &lit), occluders, under_way, arrived);
+            }
+        });
+        let planes = arrived.planes_mut().into_iter().enumerate();
+        team::share(planes.collect(), |(p, plane): (usize, &mut [f32])| {
+            plane.fill(0.0);
+            for piece in &room.pieces {
+                plane.iter_mut().zip(&piece.arrived.planes()[p]).for_each(|(sum, c)| *sum += c);
+            }
+        });
+    }
+}
+
+/// The memory of a sweep, to be used again.
+#[derive(Clone, Debug)]
+pub struct Room {
+    pieces: [Piece; PIECES],
+}
+
+/// The memory of one piece of it.
+#[derive(Clone, Debug)]
+struct Piece {
+    under_way: Vec<Lanes>,
+    arrived: Grid<f32>,
+}
+
+impl Room {
+    /// Room for an n³ grid.
+    pub fn new(n: usize) -> Self {
+        Room { pieces: std::array::from_fn(|_| Piece { under_way: Vec::new(), arrived: Grid::new(n) }) }
+    }
+}
+
+impl Group {
+    fn new(directions: &[&Direction], rule: Rule) -> Self {
+        let mut group = Group::default();
+        for (lane, &&Direction { way, weight }) in directions.iter().enumerate() {
+            let Shares { through, start } = Shares::new(rule, way);
+            group.weight[lane] = weight as f32;
+            for j in 0..3 {
+                group.way[j][lane] = DVec3::to_array(&way)[j] as f32;
+                group.start[j][lane] = start[j] as f32;
+                for (to, from) in group.through.iter_mut().zip(&through) {
+                    to[j][lane] = from[j] as f32;
+                }
+            }
+        }
+        group
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Solid;
+    use crate::sh::{K0, SPHERE, Sh};
+
+    const KINDS: [(Lattice, usize, Rule); 4] = [
+        (Lattice::Fibonacci, 24, Rule::Donor),
+        (Lattice::Fibonacci, 50, Rule::Faces),
+        (Lattice::Octahedral, 8, Rule::Faces),
+        (Lattice::Octahedral, 72, Rule::Donor),
+    ];
+
+    fn lobe_in(n: usize, cell: [usize; 3], way: DVec3) -> Grid<f32> {
+        let mut grid = Grid::new(n);
+        grid.set(cell, Sh::lobe(way));
+        grid
+    }
+
+    #[test]
+    fn all_light_that_is_sent_crosses_every_shell() {
+        // The flux that enters the six neighbours of a source is all there is, Σ_j w_j·max(0, c·Y(u_j)).
+        for (lattice, count, rule) in KINDS {
+            let light = Sh([0.9, 0.2, -0.3, 0.1]);
+            let mut injected = Grid::new(8);
+            injected.set([3, 4, 3], light.cast());
+            let arrived = Ordinates::new(lattice, count, rule).solve(&injected, None);
+            let sent = K0 * light.0[0] * SPHERE; // positive in every direction
+            let near = [[2, 4, 3], [4, 4, 3], [3, 3, 3], [3, 5, 3], [3, 4, 2], [3, 4, 4]];
+            let entered: f64 = near.iter().map(|cell| f64::from(arrived.get(*cell).0[0]) / K0).sum();
+            assert!((entered / sent - 1.0).abs() < 0.01, "{lattice:?} {count} {rule:?}: {entered}, {sent}");
+            assert!(arrived.get([3, 4, 3]).is_zero());
+        }
+    }
+
+    #[test]
+    fn an_octahedral_set_treats_all_sides_alike() {
+        let ordinates = Ordinates::new(Lattice::Octahedral, 72, Rule::Faces);
+        let along_x = ordinates.solve(&lobe_in(8, [2, 4, 3], DVec3::X), None);
+        let against_z = ordinates.solve(&lobe_in(8, [3, 4, 5], DVec3::NEG_Z), None);
+        for (cell @ [x, y, z], light) in along_x.iter() {
+            // (x, y, z) → (z, y, 7 − x)
+            let [c00, vx, vy, vz] = against_z.get([z, y, 7 - x]).0;
+            let turned = Sh([c00, -vz, vy, vx]);
+            assert!((light - turned).max_norm() < 1e-6, "{cell:?}: {light:?}, {turned:?}");
+        }
+    }
+
+    #[test]
+    fn light_does_not_turn_back_nor_pass_a_closed_wall() {
+        let wall: Vec<Solid> = (0..64)
+            .map(|i| Solid { cell: [5, i % 8, i / 8], normal: DVec3::X, opacity: 1.0, albedo: [0.0; 3] })
+            .collect();
+        let occluders = Transparency::new(8, &wall);
+        for (lattice, count, rule) in KINDS {
+            let arrived =
+                Ordinates::new(lattice, count, rule).solve(&lobe_in(8, [1, 4, 3], DVec3::X), occluders.as_ref());
+            for (cell, light) in arrived.iter() {
+                assert!(cell[0] <= 5 || light.is_zero(), "{cell:?}: {light:?}");
+                assert!(light.0[0] >= 0.0);
+            }
+            assert!(wall.iter().any(|blocker| !arrived.get(blocker.cell).is_zero()), "the wall itself is lit");
+        }
+    }
+}

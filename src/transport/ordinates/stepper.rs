@@ -1,0 +1,203 @@
+//! Ordinates by the iteration: every front moves one cell a step.
+
+use multiversion::multiversion;
+use rayon::prelude::*;
+
+use super::{Group, LANES, Lanes, Octant, Ordinates};
+use crate::field::{Cell, Grid, Layout};
+use crate::scene::ordinates::Rule;
+use crate::sh::{K0, K1, Sh};
+use crate::transport::transparency::Transparency;
+
+/// Pieces that the directions are cut into: always the same, so that the sum is too.
+const PIECES: usize = 4;
+
+/// What has come into a cell by its low faces, as the wind of a group blows.
+type Came = [Lanes; 3];
+
+/// Light of one channel under way in all directions. Once it moves it takes 12 bytes a cell and direction.
+#[derive(Clone, Debug)]
+pub struct Stepper {
+    ordinates: Ordinates,
+    n: usize,
+    /// For every group and cell, x fastest; cells in the order of the wind. Empty until something moves.
+    under_way: Vec<Vec<Came>>,
+    /// What has not been sent yet.
+    unsent: Grid<f32>,
+}
+
+impl Stepper {
+    /// A dark volume of n³ cells.
+    pub fn new(ordinates: Ordinates, n: usize) -> Self {
+        Stepper { ordinates, n, under_way: Vec::new(), unsent: Grid::new(n) }
+    }
+
+    /// Bytes of the light under way in so many directions.
+    pub fn bytes(directions: usize, n: usize) -> u64 {
+        // A group is at most one lane short in each octant; that is not counted.
+        (size_of::<Came>() * directions.div_ceil(LANES)) as u64 * (n as u64).pow(3)
+    }
+
+    /// Bytes of the light under way now.
+    pub fn bytes_now(&self) -> usize {
+        self.under_way.iter().map(|cells| size_of_val(cells.as_slice())).sum()
+    }
+
+    /// Makes it dark.
+    pub fn clear(&mut self) {
+        self.under_way.clear();
+        self.unsent.clear();
+    }
+
+    /// Adds light to a cell, to be sent by the next step.
+    pub fn inject(&mut self, cell: Cell, light: Sh<f32>) {
+        self.unsent.add(cell, light);
+    }
+
+    /// What the next step will send.
+    pub fn unsent(&self) -> &Grid<f32> {
+        &self.unsent
+    }
+
+    /// One iteration: sets `arrived` to Σ_j F_j·Y(u_j) of what then comes into each cell. Whatever leaves a cell is
+    /// multiplied with `gain`.
+    pub fn step(&mut self, gain: f32, occluders: Option<&Transparency>, arrived: &mut Grid<f32>) {
+        let groups: Vec<(&Octant, &Group)> =
+            self.ordinates.octants.iter().flat_map(|octant| octant.groups.iter().map(move |g| (octant, g))).collect();
+        let dark = [[0.0; LANES]; 3];
+        self.under_way.resize_with(groups.len(), || vec![dark; self.n.pow(3)]);
+        let piece = groups.len().div_ceil(PIECES).max(1);
+        let (unsent, rule) = (&self.unsent, self.ordinates.rule);
+        let pieces = groups.par_chunks(piece).zip(self.under_way.par_chunks_mut(piece));
+        let run = |(groups, under_way): (&[(&Octant, &Group)], &mut [Vec<Came>])| {
+            let mut arrived = Grid::new(unsent.side());
+            for (wind, came) in groups.iter().zip(under_way) {
+                advance(*wind, rule, gain, unsent, occluders, came);
+                arrive(*wind, came, &mut arrived);
+            }
+            arrived
+        };
+        let parts: Vec<Grid<f32>> = pieces.map(run).collect();
+        arrived.clear();
+        parts.iter().for_each(|part| arrived.add_grid(part));
+        self.unsent.clear();
+    }
+}
+
+/// Where cell `at`, counted with the wind, lies.
+fn turned(octant: &Octant, n: usize, at: Cell) -> Cell {
+    std::array::from_fn(|a| if octant.backwards[a] { n - 1 - at[a] } else { at[a] })
+}
+
+/// Moves the light of one group by one cell.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
+fn advance(
+    (octant, group): (&Octant, &Group),
+    rule: Rule,
+    gain: f32,
+    unsent: &Grid<f32>,
+    occluders: Option<&Transparency>,
+    under_way: &mut [Came],
+) {
+    let n = unsent.side();
+    let dark = [[0.0; LANES]; 3];
+    // Against the wind: when a cell's light moves on, that of the next one has.
+    for (i, at) in (0..n.pow(3)).rev().map(|i| (i, [i % n, i / n % n, i / n / n])) {
+        let cell = turned(octant, n, at);
+        let (came, light) = (under_way[i], unsent.get(cell));
+        let mut leaves = dark;
+        if !light.is_zero() || came != dark {
+            let sent = if light.is_zero() { dark[0] } else { group.sent(light) };
+            let passes = occluders.map_or(1.0, |occluders| occluders.at(cell));
+            let mut unseen = [dark[0]; 4];
+            leaves = match rule {
+                Rule::Donor => group.cross::<true>(came, sent, passes, &mut unseen),
+                Rule::Faces => group.cross::<false>(came, sent, passes, &mut unseen),
+            };
+            for lanes in &mut leaves {
+                for flux in lanes {
+                    *flux *= gain;
+                }
+            }
+        }
+        for (axis, step) in [1, n, n * n].into_iter().enumerate() {
+            if at[axis] + 1 < n {
+                under_way[i + step][axis] = leaves[axis];
+            }
+            if at[axis] == 0 {
+                under_way[i][axis] = dark[0];
+            }
+        }
+    }
+}
+
+/// Adds what has come into each cell.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
+fn arrive((octant, group): (&Octant, &Group), under_way: &[Came], arrived: &mut Grid<f32>) {
+    let n = arrived.side();
+    let dark = [[0.0; LANES]; 3];
+    for (at, came) in Layout::new(n).cells().zip(under_way) {
+        if *came == dark {
+            continue;
+        }
+        let mut sum = [0f32; 4];
+        for (l, ((x, y), z)) in came[0].iter().zip(&came[1]).zip(&came[2]).enumerate() {
+            let flux = x + y + z;
+            sum[0] += K0 as f32 * flux;
+            for (sum, way) in sum[1..].iter_mut().zip(&group.way) {
+                *sum += K1 as f32 * flux * way[l];
+            }
+        }
+        arrived.add(turned(octant, n, at), Sh(sum));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Solid;
+    use crate::scene::ordinates::Lattice;
+    use glam::DVec3;
+
+    #[test]
+    fn stepping_to_the_end_gives_what_one_sweep_gives() {
+        let solids = [
+            Solid { cell: [4, 3, 3], normal: DVec3::X, opacity: 1.0, albedo: [0.0; 3] },
+            Solid { cell: [2, 5, 3], normal: DVec3::X, opacity: 0.4, albedo: [0.0; 3] },
+        ];
+        let occluders = Transparency::new(8, &solids);
+        let mut injected = Grid::new(8);
+        injected.set([2, 3, 3], Sh::lobe(DVec3::X));
+        injected.set([7, 0, 5], Sh([0.3, -0.1, 0.0, 0.2]));
+        for (lattice, rule) in [(Lattice::Octahedral, Rule::Faces), (Lattice::Fibonacci, Rule::Donor)] {
+            let ordinates = Ordinates::new(lattice, 40, rule);
+            let at_once = ordinates.solve(&injected, occluders.as_ref());
+            let mut stepper = Stepper::new(ordinates, 8);
+            injected.iter().for_each(|(cell, light)| stepper.inject(cell, light));
+            let (mut arrived, mut sum) = (Grid::new(8), Grid::new(8));
+            for _ in 0..24 {
+                stepper.step(1.0, occluders.as_ref(), &mut arrived);
+                sum.add_grid(&arrived);
+            }
+            for (cell, light) in at_once.iter() {
+                let stepped = sum.get(cell);
+                assert!((light - stepped).max_norm() < 1e-6, "{cell:?}: {light:?}, {stepped:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_front_moves_one_cell_a_step() {
+        let mut stepper = Stepper::new(Ordinates::new(Lattice::Octahedral, 32, Rule::Faces), 8);
+        stepper.inject([3, 3, 3], Sh::lobe(DVec3::Y));
+        let mut arrived = Grid::new(8);
+        for k in 1..=4 {
+            stepper.step(1.0, None, &mut arrived);
+            for (cell, light) in arrived.iter() {
+                let distance: usize = (0..3).map(|a| cell[a].abs_diff(3)).sum();
+                assert!(distance == k || light.is_zero(), "k = {k}, {cell:?}");
+            }
+            assert!(!arrived.get([3, 3 + k, 3]).is_zero());
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! All the way of all light of one octant, in one pass through the cells in the order of the wind.
+//!
+//! A cell's three downwind neighbours are visited after it, so all that must be kept of the flux is what
+//! is under way: one row along x, one row of y faces, one slab of z faces. Directions lie side by side in
+//! the lanes. Cells that are not downwind of any light are left out.
+
+use std::ops::Range;
+
+use multiversion::multiversion;
+
+use super::{Group, LANES, Lanes, Octant};
+use crate::field::{Grid, Marks};
+use crate::scene::ordinates::Rule;
+use crate::sh::{K0, K1, Sh};
+use crate::transport::lattice::kernel::FLOOR;
+use crate::transport::transparency::Transparency;
+
+/// Where a grid is lit: for every row (y, z), y fastest, the cells from its first to its last lit one.
+pub(super) fn lit_rows(grid: &Grid<f32>) -> Vec<Range<usize>> {
+    let mut lit = Marks::new(grid.side());
+    lit.mark_lit(grid);
+    let row = |words: &[u64]| {
+        let first = words.iter().position(|word| *word != 0).map(|w| 64 * w + words[w].trailing_zeros() as usize);
+        let end = words.iter().rposition(|word| *word != 0).map(|w| 64 * (w + 1) - words[w].leading_zeros() as usize);
+        first.unwrap_or(grid.side())..end.unwrap_or(grid.side())
+    };
+    lit.words().chunks_exact(lit.words_per_row()).map(row).collect()
+}
+
+/// Adds what arrives in each cell to `arrived`; `lit` are the [`lit_rows`] of the injected light, `under_way` is
+/// memory to use.
+pub(super) fn sweep(
+    octant: &Octant,
+    rule: Rule,
+    (injected, lit): (&Grid<f32>, &[Range<usize>]),
+    occluders: Option<&Transparency>,
+    under_way: &mut Vec<Lanes>,
+    arrived: &mut Grid<f32>,
+) {
+    if !octant.groups.is_empty() {
+        best(octant, rule, (injected, lit), occluders, under_way, arrived);
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
+fn best(
+    octant: &Octant,
+    rule: Rule,
+    (injected, lit): (&Grid<f32>, &[Range<usize>]),
+    occluders: Option<&Transparency>,
+    under_way: &mut Vec<Lanes>,
+    arrived: &mut Grid<f32>,
+) {
+    match rule {
+        Rule::Donor => any::<true>(octant, (injected, lit), occluders, under_way, arrived),
+        Rule::Faces => any::<false>(octant, (injected, lit), occluders, under_way, arrived),
+    }
+}
+
+#[inline(always)]
+fn any<const DONOR: bool>(
+    octant: &Octant,
+    (injected, lit): (&Grid<f32>, &[Range<usize>]),
+    occluders: Option<&Transparency>,
+    under_way: &mut Vec<Lanes>,
+    arrived: &mut Grid<f32>,
+) {
+    let layout = injected.layout();
+    let n = layout.side();
+    let groups = &octant.groups;
+    let along = |axis: usize, i: usize| if octant.backwards[axis] { n - 1 - i } else { i };
+    let dark = [0.0; LANES];
+    under_way.clear();
+    under_way.resize((n * n + n + 1) * groups.len(), dark);
+    let (by_z, rest) = under_way.split_at_mut(n * n * groups.len());
+    let (by_y, by_x) = rest.split_at_mut(n * groups.len());
+    let sums = arrived.planes_mut();
+    // From which cell on, in the order of the wind, the rows of the last slab may be lit.
+    let mut slab_from = vec![n; n];
+    for zi in 0..n {
+        by_y.fill(dark);
+        let mut row_from = n;
+        for yi in 0..n {
+            by_x.fill(dark);
+            let by_z = &mut by_z[yi * n * groups.len()..][..n * groups.len()];
+            let lit = &lit[along(2, zi) * n + along(1, yi)];
+            let own_from = match octant.backwards[0] {
+                false => lit.start,
+                true if lit.is_empty() => n,
+                true => n - lit.end,
+            };
+            row_from = row_from.min(slab_from[yi]).min(own_from);
+            slab_from[yi] = row_from;
+            for xi in row_from..n {
+                let cell = [along(0, xi), along(1, yi), along(2, zi)];
+                let at = layout.index(cell);
+                let light = if lit.contains(&cell[0]) { injected.at(at) } else { Sh::ZERO };
+                let lit = !light.is_zero();
+                let passes = occluders.map_or(1.0, |occluders| occluders.at(cell));
+                let ahead = xi * groups.len()..(xi + 1) * groups.len();
+                let under_way = by_x.iter_mut().zip(&mut by_y[ahead.clone()]).zip(&mut by_z[ahead]);
+                let mut sum = [dark; 4];
+                for (group, ((x, y), z)) in groups.iter().zip(under_way) {
+                    let sent = if lit { group.sent(light) } else { dark };
+                    [*x, *y, *z] = group.cross::<DONOR>([*x, *y, *z], sent, passes, &mut sum);
+                }
+                sums[0][at] += K0 as f32 * total(sum[0]);
+                for c in 1..4 {
+                    sums[c][at] += K1 as f32 * total(sum[c]);
+                }
+            }
+        }
+    }
+}
+
+impl Group {
+    /// What a cell that holds `light` sends in each direction.
+    #[inline(always)]
+    pub(super) fn sent(&self, light: Sh<f32>) -> Lanes {
+        let Sh([c00, x, y, z]) = light;
+        let (mean, [x, y, z]) = (K0 as f32 * c00, [x, y, z].map(|c| K1 as f32 * c));
+        let mut sent = [0.0; LANES];
+        for (l, sent) in sent.iter_mut().enumerate() {
+            let value = mean + (x * self.way[0][l] + y * self.way[1][l] + z * self.way[2][l]);
+            *sent = value.max(0.0) * self.weight[l];
+        }
+        sent
+    }
+
+    /// Takes the flux that comes in by the low faces through a cell: adds it to `sum`, as Σ F and
+    /// Σ F·u, and returns what leaves by the far faces.
+    #[inline(always)]
+    pub(super) fn cross<const DONOR: bool>(
+        &self,
+        came: [Lanes; 3],
+        sent: Lanes,
+        passes: f32,
+        sum: &mut [Lanes; 4],
+    ) -> [Lanes; 3] {
+        let mut leaves = [[0.0; LANES]; 3];
+        for l in 0..LANES {
+            // The next cell along x waits for what comes of the first.
+            let flux = came[0][l] + (came[1][l] + came[2][l]);
+            sum[0][l] += flux;
+            for j in 0..3 {
+                sum[1 + j][l] += flux * self.way[j][l];
+                let left = if DONOR {
+                    self.start[j][l] * (flux * passes + sent[l])
+                } else {
+                    let through: f32 = self.through[0][j][l] * came[0][l]
+                        + self.through[1][j][l] * came[1][l]
+                        + self.through[2][j][l] * came[2][l];
+                    through * passes + self.start[j][l] * sent[l]
+                };
+                // Beams fade sideways without end; denormal numbers would cost more than all the rest.
+                leaves[j][l] = if left < FLOOR as f32 { 0.0 } else { left };
+            }
+        }
+        leaves
+    }
+}
+
+/// The sum over the lanes, in an order that every instruction set keeps.
+#[inline(always)]
+fn total(lanes: Lanes) -> f32 {
+    let [a, b, c, d, e, f, g, h] = lanes;
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
+}

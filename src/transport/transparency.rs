@@ -1,0 +1,32 @@
+//! What hard occluders let through, cell by cell.
+
+use crate::field::Cell;
+use crate::scene::Solid;
+
+/// How much of the light that enters a cell of an n³ volume goes on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Transparency {
+    n: usize,
+    passes: Vec<f32>,
+}
+
+impl Transparency {
+    /// What `blockers` let through: 1 − opacity each; `None` if there are none.
+    pub fn new(n: usize, solids: &[Solid]) -> Option<Self> {
+        if solids.is_empty() {
+            return None;
+        }
+        let mut passes = vec![1.0; n.pow(3)];
+        for blocker in solids {
+            let [x, y, z] = blocker.cell;
+            passes[(z * n + y) * n + x] = 1.0 - blocker.opacity as f32;
+        }
+        Some(Transparency { n, passes })
+    }
+
+    /// The share that passes a cell, 0 to 1.
+    #[inline]
+    pub fn at(&self, [x, y, z]: Cell) -> f32 {
+        self.passes[(z * self.n + y) * self.n + x]
+    }
+}
