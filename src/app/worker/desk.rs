@@ -14,7 +14,6 @@ use crate::scene::Scene;
 use crate::simulation::{Action, Change};
 use crate::study::ballistic::Ballistic;
 use crate::study::error::Metric;
-use crate::study::stability::outlook;
 
 /// The least time between two pictures of a run in progress.
 const BETWEEN_PICTURES: Duration = Duration::from_millis(30);
@@ -262,28 +261,11 @@ impl Desk {
             }
         }
         self.picture(false);
-        self.foretell();
-    }
-
-    /// Tells if light will not end well. That takes longer than many a run, so it does not hold one up.
-    fn foretell(&self) {
-        let scenes: Vec<Scene> = self.tracks.iter().map(|track| track.now().scene().clone()).collect();
-        let (outbox, wake, generation) = (self.outbox.clone(), Arc::clone(&self.wake), self.generation);
-        let work = move || {
-            if let Some(line) = scenes.iter().find_map(outlook::warning) {
-                // The window may be gone by now.
-                let _ = outbox.send((generation, News::Warned(line)));
-                wake();
-            }
-        };
-        if let Err(error) = std::thread::Builder::new().name("outlook".to_owned()).spawn(work) {
-            log::warn!("no thread for the outlook: {error}");
-        }
     }
 
     fn tracks_of(&self, load: &Load) -> Result<Vec<Track>, String> {
         let scene = Scene::build(&load.preset, &load.folder).map_err(|error| error.to_string())?;
-        let others = load.others.iter().filter_map(|rival| rival.scene(&scene));
+        let others = load.others.iter().filter_map(|rival| rival.problem(&scene));
         let scenes: Vec<Scene> = std::iter::once(scene.clone()).chain(others).collect();
         let budget = self.budget / scenes.len();
         let mut tracks = Vec::new();
