@@ -36,6 +36,7 @@ use self::sight::Sight;
 use super::worker::{News, Order, Start};
 use crate::scene::Preset;
 use crate::simulation::Action;
+use crate::transport::preset;
 
 /// A line for whoever sits before the window.
 #[derive(Clone, Debug, PartialEq)]
@@ -141,7 +142,7 @@ impl Session {
         if self.document.note(now) {
             ctx.request_repaint_after_secs(0.25);
         }
-        if self.settings.rerun && self.is_stale() && self.is_idle() && self.document.preset.check().is_ok() {
+        if self.settings.rerun && self.is_stale() && self.is_idle() && preset::check(&self.document.preset).is_ok() {
             self.run_again();
         }
         self.choose_metric();
@@ -203,7 +204,7 @@ impl Session {
 
     /// Opens a preset, or tells why it cannot be.
     pub fn open(&mut self, path: &Path) {
-        match Preset::load(path) {
+        match preset::read(path) {
             Ok(preset) => self.take(Document::new(preset, Some(path.to_path_buf()))),
             Err(error) => self.fail(error.to_string()),
         }
@@ -243,8 +244,8 @@ impl Session {
 
     /// Hands the document to the worker.
     pub(super) fn load(&mut self, start: Start) {
-        if let Err(problem) = self.document.preset.check() {
-            self.fail(problem.to_string());
+        if let Err(fault) = preset::check(&self.document.preset) {
+            self.fail(fault.to_string());
             return;
         }
         self.notice = None;

@@ -21,11 +21,11 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use self::look::{Cloud, Look, Pin, PinSample, Shown};
 use self::rival::Rival;
 use self::track::Measured;
-use crate::scene::{Preset, Scene};
+use crate::scene::{Preset, Problem};
 use crate::simulation::options::Work;
 use crate::simulation::{Action, Change};
-use crate::study::ballistic::Ballistic;
 use crate::study::error::Metric;
+use crate::transport::ballistic::Ballistic;
 
 /// What a newly loaded scene is to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -117,7 +117,7 @@ pub struct Progress {
 #[derive(Clone, Debug)]
 pub enum News {
     /// The scene that is run from now on.
-    Loaded(Arc<Scene>),
+    Loaded(Arc<Problem>),
     /// An action is done. What was measured of later iterations no longer holds, nor does what was measured of the
     /// present one if its light changed.
     Done {

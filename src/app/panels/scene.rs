@@ -18,6 +18,7 @@ use crate::report::slice::Axis;
 use crate::scene::Preset;
 use crate::scene::preset::LARGEST;
 use crate::study::stability::outlook::Exceeded;
+use crate::transport::preset;
 
 /// The largest volume that the list of sizes offers; larger ones can be opened from a file.
 const LARGEST_OFFERED: usize = 256;
@@ -67,14 +68,14 @@ fn edit(ui: &mut Ui, preset: &mut Preset, around: Surroundings, asks: &mut Asks)
 
 /// Says that the results are of another scene, and offers to run again.
 fn stale_banner(ui: &mut Ui, session: &Session, asks: &mut Asks) {
-    let problem = session.document.preset.check().err().map(|problem| problem.to_string());
-    if problem.is_none() && !session.is_stale() {
+    let fault = preset::check(&session.document.preset).err().map(|fault| fault.to_string());
+    if fault.is_none() && !session.is_stale() {
         return;
     }
     Frame::group(ui.style()).fill(ui.visuals().faint_bg_color).show(ui, |ui| {
         ui.set_width(ui.available_width());
-        if let Some(problem) = problem {
-            ui.colored_label(ui.visuals().error_fg_color, problem);
+        if let Some(fault) = fault {
+            ui.colored_label(ui.visuals().error_fg_color, fault);
             return;
         }
         ui.label(RichText::new("The scene was edited after this run.").color(ui.visuals().warn_fg_color));

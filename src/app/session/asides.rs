@@ -15,19 +15,19 @@ use super::plots::Tab;
 use super::view::Stage;
 use crate::app::worker::Order;
 use crate::app::worker::rival::Rival;
-use crate::scene::{Propagation, Scene};
-use crate::study::ballistic::Ballistic;
+use crate::scene::{Problem, Propagation};
 use crate::study::error::Metric;
 use crate::study::pareto::{self, Row};
 use crate::study::profile::Policies;
 use crate::study::stability::outlook::{self, Exceeded};
+use crate::transport::ballistic::Ballistic;
 
 /// Rounds over all ways when run time is set against error; medians are shown.
 const ROUNDS: usize = 3;
 
 /// A problem as a key: the same only if it is the very one.
 #[derive(Clone, Debug)]
-pub struct Very(pub Arc<Scene>);
+pub struct Very(pub Arc<Problem>);
 
 impl PartialEq for Very {
     fn eq(&self, other: &Self) -> bool {
@@ -37,7 +37,7 @@ impl PartialEq for Very {
 
 /// A problem as a key: the same where the same light takes the same ways; how it is propagated does not matter.
 #[derive(Clone, Debug)]
-pub struct Ways(Arc<Scene>);
+pub struct Ways(Arc<Problem>);
 
 impl PartialEq for Ways {
     fn eq(&self, Ways(b): &Self) -> bool {
@@ -158,7 +158,6 @@ impl Session {
                     let Ways(ours) = key.clone();
                     move |watch: &errand::Watch| {
                         let found = Ballistic::new(&ours, &|share| watch.go_on(share));
-                        let found = found.map_err(|error| error.to_string())?;
                         found.map(Arc::new).ok_or_else(|| "the straight lines were given up".to_owned())
                     }
                 });

@@ -166,7 +166,9 @@ impl Command {
             Command::Clear => ("Clear", "Make everything dark, and take over the scene as edited"),
             Command::Inject => ("Inject", "Add the injectors' light to the finest level"),
             Command::Downsample => ("Downsample", "Fill every coarser level with the mean of the finer one"),
-            Command::Propagate => ("Propagate", "The next iteration: the one that is there, or one more on every level"),
+            Command::Propagate => {
+                ("Propagate", "The next iteration: the one that is there, or one more on every level")
+            }
             Command::Merge => ("Merge", "Sample the accumulated octree for every finest cell"),
             Command::RunAll => ("Run all", "Clear, inject, downsample, propagate as often as set, and merge"),
             Command::Rerun => ("Run again", "Run the scene as edited, as far as this run has come"),

@@ -9,7 +9,7 @@ use super::document::Document;
 use crate::app::worker::rival::Rival;
 use crate::app::worker::{Load, Order, Progress, Start, Worker};
 use crate::field::Levels;
-use crate::scene::{Preset, Scene};
+use crate::scene::{Preset, Problem};
 use crate::simulation::Change;
 
 /// The run in progress, or the last one.
@@ -21,7 +21,7 @@ pub struct Run {
     /// What ran beside the preset's own propagator.
     pub others: Vec<Rival>,
     /// What runs, once the worker has it.
-    pub problem: Option<Arc<Scene>>,
+    pub problem: Option<Arc<Problem>>,
     /// How far the worker is.
     pub progress: Progress,
     /// What the last action changed.

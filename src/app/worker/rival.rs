@@ -2,7 +2,7 @@
 
 use crate::app::worker::look::Of;
 use crate::scene::propagation::Policy;
-use crate::scene::{Propagation, Scene};
+use crate::scene::{Problem, Propagation};
 
 /// What the document's own propagator is compared with.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,10 +17,10 @@ pub enum Rival {
 
 impl Rival {
     /// What is simulated for it beside `own`; nothing for what truly arrives.
-    pub fn problem(&self, own: &Scene) -> Option<Scene> {
+    pub fn problem(&self, own: &Problem) -> Option<Problem> {
         match self {
-            Rival::Propagator(propagation) => Some(Scene { propagation: propagation.clone(), ..own.clone() }),
-            Rival::Uniform => Some(Scene { coarsest: own.size, ..own.clone() }),
+            Rival::Propagator(propagation) => Some(Problem { propagation: propagation.clone(), ..own.clone() }),
+            Rival::Uniform => Some(Problem { coarsest: own.size, ..own.clone() }),
             Rival::Ballistic => None,
         }
     }
