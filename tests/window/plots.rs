@@ -58,7 +58,7 @@ fn light_that_will_diverge_is_foretold() {
     click(&mut harness, "Run again");
     for _ in 0..2000 {
         harness.step();
-        if harness.query_by_label_contains("level 0 (8³)").is_some() {
+        if harness.query_by_label_contains("will overflow about iteration").is_some() {
             return;
         }
         std::thread::sleep(std::time::Duration::from_millis(2));
