@@ -11,6 +11,8 @@ mod desk;
 pub mod history;
 mod ledger;
 pub mod look;
+pub mod peaks;
+pub mod received;
 pub mod rival;
 pub mod track;
 
@@ -211,6 +213,7 @@ mod tests {
             layer: Layer::Merged,
             plane: Plane::default(),
             against: Against::Children,
+            brightest: Default::default(),
             cloud: None,
         })
     }

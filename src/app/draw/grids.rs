@@ -4,12 +4,17 @@ use std::sync::Arc;
 
 use egui::{Align2, Color32, FontId, Mesh, Pos2, Rect, Response, Sense, Shape, TextureHandle, Ui, Vec2, pos2, vec2};
 
-use crate::app::draw::glyphs::{Placing, Scale, Scales, meshes};
+use crate::app::draw::borders;
+use crate::app::draw::glyphs::Placing;
+use crate::app::draw::glyphs::Style;
+use crate::app::draw::glyphs::meshes;
 use crate::app::draw::ink::color;
+use crate::app::draw::scales::Scale;
+use crate::app::draw::scales::Scales;
 use crate::app::draw::sprites;
 use crate::app::session::view::View;
 use crate::app::worker::look::Shown;
-use crate::report::colour::Theme;
+use crate::report::colour::{Paint, Theme};
 use crate::report::slice::{Axis, Slice};
 
 /// The farthest zoom, in finest cells that fill a view.
@@ -39,6 +44,7 @@ struct Key {
     slice: Arc<Slice>,
     view: View,
     scale: Scale,
+    paint: Paint,
     placing: Placing,
     dark: bool,
 }
@@ -48,6 +54,7 @@ impl PartialEq for Key {
         Arc::ptr_eq(&self.slice, &other.slice)
             && self.view == other.view
             && self.scale == other.scale
+            && self.paint == other.paint
             && self.placing == other.placing
             && self.dark == other.dark
     }
@@ -62,6 +69,8 @@ pub struct Manner<'a> {
     pub theme: &'a Theme,
     /// Theirs.
     pub scales: &'a Scales,
+    /// What glyphs' colours tell.
+    pub paint: Paint,
     /// Rectangles to frame.
     pub marks: &'a [Mark],
 }
@@ -132,7 +141,7 @@ impl Grids {
         title: &str,
         manner: &Manner,
     ) -> Option<Pointed> {
-        let Manner { view, theme, scales, marks } = *manner;
+        let Manner { view, theme, scales, paint, marks } = *manner;
         let scale = scales.scale(shown);
         let response = ui.interact(rect, ui.scope_id().with(("view", i)), Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("View: {title}")));
@@ -142,12 +151,12 @@ impl Grids {
         let whole = cell * shown.slice.side as f32;
         let origin = rect.center() + vec2(-camera.centre.x, camera.centre.y) * whole;
         let placing = Placing { clip: rect, origin, cell, density: ui.pixels_per_point() };
-        let key = Key { slice: Arc::clone(&shown.slice), view: view.clone(), scale: *scale, placing, dark: theme.dark };
+        let key = Key { slice: Arc::clone(&shown.slice), view: view.clone(), scale, paint, placing, dark: theme.dark };
         let sprites = self.sprites.get_or_insert_with(|| sprites::texture(ui.ctx())).id();
         let meshes = match &self.drawn[i] {
             Some((known, meshes)) if *known == key => meshes.clone(),
             _ => {
-                let meshes = meshes(shown, view, scale, theme, &placing, sprites);
+                let meshes = meshes(shown, &Style { view, paint, scale, theme, sprites }, &placing);
                 self.drawn[i] = Some((key, meshes.clone()));
                 meshes
             }
@@ -155,6 +164,7 @@ impl Grids {
         let painter = ui.painter_at(rect.expand(1.0));
         painter.rect_filled(rect, 0.0, color(theme.ground));
         painter.extend(meshes.map(Shape::mesh));
+        borders::number(&painter, shown, &placing, theme);
         for mark in marks.iter().filter(|mark| mark.pane.is_none_or(|pane| pane == i)) {
             let low = placing.at(mark.column as f32, mark.row as f32);
             let high = placing.at((mark.column + mark.size[0]) as f32, (mark.row + mark.size[1]) as f32);

@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::path::Path;
 
-use crate::app::draw::glyphs::Scales;
+use crate::app::draw::scales::Scales;
 use crate::app::session::Session;
 use crate::app::session::command::Command;
 use crate::app::session::curves::{Curves, Group};
@@ -96,7 +96,7 @@ fn slices(title: &str, view: &View, shown: &[Shown], titles: &[String], format: 
         subtitle: &subtitle,
         panels,
         hue: view.hue,
-        paint: view.paint,
+        paint: scales.paint(view),
         heat: view.heat == Heat::Mean,
         theme: format.theme(),
         width: format.width(),

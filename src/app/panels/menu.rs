@@ -69,7 +69,7 @@ fn view(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     let groups: [&[Command]; 5] = [
         &[Command::Grids, Command::Compare, Command::Space],
         &[Command::Errors, Command::Line, Command::RunTime],
-        &[Command::Merged, Command::Finer, Command::Coarser],
+        &[Command::Merged, Command::Finer, Command::Coarser, Command::NextPaint],
         &[Command::NextAxis, Command::SliceDown, Command::SliceUp, Command::WholeSlice],
         &[Command::First, Command::Back, Command::Forward, Command::Last, Command::Restart],
     ];

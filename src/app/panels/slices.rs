@@ -2,9 +2,9 @@
 
 use egui::Ui;
 
-use crate::app::draw::glyphs::Scales;
 use crate::app::draw::grids::{Grids, Manner, Mark, Pointed};
 use crate::app::draw::ink::color;
+use crate::app::draw::scales::Scales;
 use crate::app::session::Session;
 use crate::app::session::ask::Asks;
 use crate::app::session::plots::Tab;
@@ -23,7 +23,8 @@ pub fn ui(
     asks: &mut Asks,
 ) -> Option<Pointed> {
     let marks = marks(session, theme, pointed);
-    let manner = Manner { view: &session.settings.view, theme, scales, marks: &marks };
+    let paint = scales.paint(&session.settings.view);
+    let manner = Manner { view: &session.settings.view, theme, scales, paint, marks: &marks };
     let pointed = grids.ui(ui, &session.sight.shown, &session.titles(), &manner)?;
     if let Some(shown) = session.sight.shown.get(pointed.pane) {
         if pointed.double_clicked {

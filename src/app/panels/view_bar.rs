@@ -7,7 +7,7 @@ use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
 use crate::app::session::command::Command;
 use crate::app::session::settings::{DECADES, FULL};
-use crate::app::session::view::{Heat, Scaling, Stage, View, hue_name, paint_name};
+use crate::app::session::view::{Fill, Heat, Scaling, Stage, View, hue_name, paint_name};
 use crate::app::worker::look::Layer;
 use crate::report::colour::Paint;
 use crate::report::glyph::Hue;
@@ -77,8 +77,12 @@ fn scale(ui: &mut Ui, view: &mut View) {
         name(&ui.add(decades).on_hover_text("Powers of ten from a full glyph to none"), "Decades");
     }
     if view.scaling != Scaling::PerGlyph {
-        ui.checkbox(&mut view.fit, "Fit").on_hover_text("The brightest glyph fills its cell");
-        if !view.fit {
+        combo(ui, "Brightest glyph", 112.0, view.fill.name(), |ui| {
+            for fill in Fill::ALL {
+                ui.selectable_value(&mut view.fill, fill, fill.name()).on_hover_text(fill.about());
+            }
+        });
+        if view.fill == Fill::Fixed {
             let full = DragValue::new(&mut view.full).range(FULL).speed(0.002).max_decimals(6);
             name(&ui.add(full).on_hover_text("The intensity that fills a cell, per steradian"), "Full intensity");
         }
@@ -93,6 +97,8 @@ fn scale(ui: &mut Ui, view: &mut View) {
 fn layers_menu(ui: &mut Ui, view: &mut View) {
     ui.checkbox(&mut view.glyphs, "Glyphs");
     ui.checkbox(&mut view.negative, "Negative lobes").on_hover_text("What a clamp removes, in a colour of its own");
+    ui.checkbox(&mut view.flux, "Centre and flux")
+        .on_hover_text("A dot in each cell's middle and a tick towards where its light goes, where there is room");
     ui.checkbox(&mut view.cells, "Cell edges");
     ui.checkbox(&mut view.levels, "Index volume").on_hover_text("Which level each finest cell is sampled from");
     ui.checkbox(&mut view.occluders, "Occluders");
@@ -103,6 +109,8 @@ fn layers_menu(ui: &mut Ui, view: &mut View) {
     }
     ui.separator();
     ui.label("Light shown");
+    ui.checkbox(&mut view.hues, "Hues in their own colours")
+        .on_hover_text("Where glyphs tell directions, light that is not white is shown in its own colours");
     for hue in Hue::ALL {
         ui.radio_value(&mut view.hue, hue, hue_name(hue));
     }

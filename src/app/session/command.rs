@@ -58,6 +58,8 @@ pub enum Command {
     Finer,
     /// A coarser level.
     Coarser,
+    /// Another colouring of glyphs.
+    NextPaint,
     /// The merged light, or back to a level.
     Merged,
     /// Zoom and pan back to the whole slice.
@@ -98,7 +100,7 @@ pub enum Command {
 
 impl Command {
     /// All of them, in the order of the keyboard reference.
-    pub const ALL: [Command; 44] = [
+    pub const ALL: [Command; 45] = [
         Command::Open,
         Command::Save,
         Command::SaveAs,
@@ -126,6 +128,7 @@ impl Command {
         Command::Finer,
         Command::Coarser,
         Command::Merged,
+        Command::NextPaint,
         Command::WholeSlice,
         Command::Grids,
         Command::Compare,
@@ -186,6 +189,7 @@ impl Command {
             Command::Finer => ("Finer level", "Show the next finer level"),
             Command::Coarser => ("Coarser level", "Show the next coarser level"),
             Command::Merged => ("Merged levels", "Show the merged levels, or level 0"),
+            Command::NextPaint => ("Next colouring", "Have the glyphs' colour tell something else"),
             Command::WholeSlice => ("Whole slice", "Zoom and pan back to the whole slice"),
             Command::Grids => ("Grids", "Source, target and accumulated light side by side"),
             Command::Compare => ("Compare", "Propagators or iterations side by side, with their difference"),
@@ -239,6 +243,7 @@ impl Command {
             Command::Finer => plain(Key::Minus),
             Command::Coarser => plain(Key::Plus),
             Command::Merged => plain(Key::L),
+            Command::NextPaint => plain(Key::H),
             Command::WholeSlice => plain(Key::W),
             Command::Grids => plain(Key::F2),
             Command::Compare => plain(Key::F3),

@@ -4,10 +4,15 @@ use std::sync::Arc;
 
 use super::Session;
 use super::plots::Tab;
-use super::view::Stage;
+use super::view::{Scaling, Stage};
 use crate::app::worker::Order;
-use crate::app::worker::look::{Against, Cloud, CloudAsk, Light, Look, Of, Pane, Pin, PinSample, Shown, State};
+use crate::app::worker::look::{
+    Against, Brightest, Cloud, CloudAsk, Light, Look, Of, Pane, Pin, PinSample, Shown, State,
+};
 use crate::study::error::Metric;
+
+/// The part of the largest glyphs that may be cut off by their cells on a linear scale.
+pub const LINEAR_QUANTILE: f32 = 0.99;
 
 /// How light in space is looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -112,7 +117,10 @@ impl Session {
                 (vec![ask.pane], Some(ask))
             }
         };
-        Look { panes, layer: view.layer, plane: view.plane(), against: self.against(), cloud }
+        // Of a linear scale a few of the largest glyphs may be cut off by their cells.
+        let quantile = if view.scaling == Scaling::Linear { LINEAR_QUANTILE } else { 1.0 };
+        let brightest = Brightest { hue: view.hue, quantile };
+        Look { panes, layer: view.layer, plane: view.plane(), against: self.against(), brightest, cloud }
     }
 
     /// Keeps a cell in sight, or none.

@@ -8,6 +8,7 @@ use super::plots::Tab;
 use super::view::Stage;
 use crate::app::worker::look::Layer;
 use crate::app::worker::{Order, Progress, Start};
+use crate::report::colour::Paint;
 use crate::report::slice::Axis;
 use crate::simulation::Action;
 
@@ -72,6 +73,10 @@ impl Session {
             }
             Command::Merged => {
                 view.layer = if view.layer == Layer::Merged { Layer::Level(0) } else { Layer::Merged };
+            }
+            Command::NextPaint => {
+                let at = Paint::ALL.iter().position(|paint| *paint == view.paint).unwrap_or_default();
+                view.paint = Paint::ALL[(at + 1) % Paint::ALL.len()];
             }
             Command::Grids => view.stage = Stage::Grids,
             Command::Compare => self.compare(),

@@ -7,6 +7,8 @@ mod cloud;
 use std::sync::Arc;
 
 use crate::app::worker::look::{Layer, Light, Look, Of, Pane, Pin, PinSample, Shown, State};
+use crate::app::worker::peaks::Peaks;
+use crate::app::worker::received::Senders;
 use crate::app::worker::track::Track;
 use crate::field::{Channels, Grid, Octree, downsample_into};
 use crate::report::slice::{Plane, Slice};
@@ -19,7 +21,7 @@ pub use cloud::cloud;
 
 /// Everything that `look` asks for. What is not there is left out: tracks, and what truly arrives while it is not
 /// known.
-pub fn panes(tracks: &mut [Track], truth: Option<&Ballistic>, look: &Look) -> Vec<Shown> {
+pub fn panes(tracks: &mut [Track], truth: Option<&Ballistic>, peaks: &mut Peaks, look: &Look) -> Vec<Shown> {
     let Some(first) = tracks.first() else { return Vec::new() };
     // Where levels are asked for, volumes of a single level show the mean light in cells as large.
     let last = first.now().sizes().count() - 1;
@@ -28,7 +30,12 @@ pub fn panes(tracks: &mut [Track], truth: Option<&Ballistic>, look: &Look) -> Ve
         Layer::Merged => Layer::Merged,
     };
     let look = Look { layer, ..look.clone() };
-    look.panes.iter().filter_map(|pane| cut(tracks, truth, *pane, &look)).collect()
+    let cut = |pane: &Pane| {
+        let mut shown = cut(tracks, truth, *pane, &look)?;
+        shown.of_run = peaks.of_run(tracks, *pane, &look);
+        Some(shown)
+    };
+    look.panes.iter().filter_map(cut).collect()
 }
 
 fn cut(tracks: &mut [Track], truth: Option<&Ballistic>, pane: Pane, look: &Look) -> Option<Shown> {
@@ -63,7 +70,9 @@ fn cut(tracks: &mut [Track], truth: Option<&Ballistic>, pane: Pane, look: &Look)
     let index = (0..side * side).map(|i| state.index().index(finest(i)) as u8).collect();
     let in_cut = state.problem().solids.iter().filter(|b| b.cell[plane.axis.across()] == plane.index);
     let occupied = in_cut.map(|b| [b.cell[plane.axis.columns()], b.cell[plane.axis.rows()]]).collect();
-    Some(Shown { pane, iteration: state.iteration(), forgotten, slice: Arc::new(slice), errors, index, occupied })
+    let slice = Arc::new(slice);
+    let of_run = None;
+    Some(Shown { pane, iteration: state.iteration(), forgotten, slice, of_run, errors, index, occupied })
 }
 
 /// What is taken away from a view.
@@ -113,7 +122,8 @@ fn octrees(simulation: &Simulation<f32>, light: Light) -> Vec<&Octree<f32>> {
     simulation.lights().iter().map(|channel| octree(channel, light)).collect()
 }
 
-fn slice(simulation: &Simulation<f32>, light: Light, layer: Layer, plane: Plane) -> Slice {
+/// What a cut through one octree shows.
+pub fn slice(simulation: &Simulation<f32>, light: Light, layer: Layer, plane: Plane) -> Slice {
     let octrees = octrees(simulation, light);
     match layer {
         Layer::Merged => Slice::merged(&octrees, simulation.index(), simulation.channels(), plane),
@@ -145,19 +155,21 @@ fn subtract(slice: &mut Slice, other: &Slice) {
 }
 
 /// A cell's red, green and blue from the channels that are carried.
-fn mix(simulation: &Simulation<f32>, channel: impl Fn(usize) -> Sh<f32>) -> [Sh<f32>; 3] {
+pub fn mix(simulation: &Simulation<f32>, channel: impl Fn(usize) -> Sh<f32>) -> [Sh<f32>; 3] {
     simulation.channels().rgb().map(|share| channel(share.channel) * share.scale as f32)
 }
 
 /// What a pinned cell holds in a state.
-pub fn sample(state: &Simulation<f32>, pin: Pin) -> Option<PinSample> {
+pub fn sample(state: &Simulation<f32>, pin: Pin, senders: Option<&Senders>) -> Option<PinSample> {
     let side = state.sizes().side(pin.level);
     if pin.level >= state.sizes().count() || pin.cell.iter().any(|c| *c >= side) {
         return None;
     }
     let of =
         |which: Light| mix(state, |channel| octree(&state.lights()[channel], which).level(pin.level).get(pin.cell));
-    Some(PinSample { iteration: state.iteration(), source: of(Light::Source), accumulated: of(Light::Accumulated) })
+    let received = senders.map(|senders| senders.received(state, pin)).unwrap_or_default();
+    let (source, accumulated) = (of(Light::Source), of(Light::Accumulated));
+    Some(PinSample { iteration: state.iteration(), source, accumulated, received })
 }
 
 #[cfg(test)]
@@ -183,7 +195,14 @@ pub(in crate::app) mod tests {
         let state = State { of: Of::Track(0), iteration: None };
         let pane = Pane { light: Light::Accumulated, state, minus };
         let cloud = Some(CloudAsk { pane, threshold: 0.0 });
-        Look { panes: vec![pane], layer, plane: Plane { axis: Axis::Z, index: 2 }, against: Against::Uniform, cloud }
+        Look {
+            panes: vec![pane],
+            layer,
+            plane: Plane { axis: Axis::Z, index: 2 },
+            against: Against::Uniform,
+            brightest: Default::default(),
+            cloud,
+        }
     }
 
     pub const ONE: &str = "(version: 1, size: 8, injectors: [(kind: Single(cell: (2, 2, 2)))], \
@@ -193,10 +212,10 @@ pub(in crate::app) mod tests {
     fn a_difference_from_itself_is_dark_and_from_the_past_is_what_was_added() {
         let mut tracks = [track(ONE)];
         let own = State { of: Of::Track(0), iteration: None };
-        let shown = panes(&mut tracks, None, &look(Layer::Merged, Some(own)));
+        let shown = panes(&mut tracks, None, &mut Peaks::default(), &look(Layer::Merged, Some(own)));
         assert!(shown[0].slice.cells.iter().all(|cell| cell.light.iter().all(|sh| sh.is_zero())));
         let before = State { of: Of::Track(0), iteration: Some(1) };
-        let shown = panes(&mut tracks, None, &look(Layer::Level(0), Some(before)));
+        let shown = panes(&mut tracks, None, &mut Peaks::default(), &look(Layer::Level(0), Some(before)));
         for cell in &shown[0].slice.cells {
             let added = tracks[0].now().lights()[0].source.level(0).get(cell.cell);
             assert!((cell.light[0] - added).max_norm() < 1e-6);
@@ -211,8 +230,8 @@ pub(in crate::app) mod tests {
         let arrived =
             |minus| Pane { light: Light::Accumulated, state: State { of: Of::Truth, iteration: None }, minus };
         let look = Look { panes: vec![arrived(None), arrived(Some(own))], ..look(Layer::Merged, None) };
-        assert!(panes(&mut tracks, None, &look).is_empty());
-        let shown = panes(&mut tracks, Some(&truth), &look);
+        assert!(panes(&mut tracks, None, &mut Peaks::default(), &look).is_empty());
+        let shown = panes(&mut tracks, Some(&truth), &mut Peaks::default(), &look);
         let moved = ballistic::moved(tracks[0].now());
         for (is, difference) in shown[0].slice.cells.iter().zip(&shown[1].slice.cells) {
             assert_eq!(is.light[0], truth.light()[0].get(is.cell));

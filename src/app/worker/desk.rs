@@ -8,6 +8,8 @@ use std::time::{Duration, Instant};
 use crate::app::worker::cut;
 use crate::app::worker::ledger::Ledger;
 use crate::app::worker::look::{Look, Pin};
+use crate::app::worker::peaks::Peaks;
+use crate::app::worker::received::Senders;
 use crate::app::worker::track::{Measured, Track};
 use crate::app::worker::{Load, News, Order, Progress, Start};
 use crate::scene::Problem;
@@ -48,6 +50,7 @@ pub struct Desk {
     /// The metric that is seen.
     metric: Option<Metric>,
     measured: Ledger,
+    peaks: Peaks,
 }
 
 impl Desk {
@@ -75,6 +78,7 @@ impl Desk {
             truth: None,
             metric: None,
             measured: Ledger::default(),
+            peaks: Peaks::default(),
         }
     }
 
@@ -156,6 +160,7 @@ impl Desk {
                 }
                 self.merged = false;
                 self.measured.forget_from(self.iteration() + 1);
+                self.peaks.forget_from(self.iteration() + 1);
                 self.tell_progress(None);
                 self.picture(false);
             }
@@ -242,6 +247,7 @@ impl Desk {
     fn load(&mut self, load: &Load) {
         self.tracks.clear();
         self.measured = Ledger::default();
+        self.peaks = Peaks::default();
         self.run = None;
         self.merged = false;
         match self.tracks_of(load) {
@@ -300,6 +306,7 @@ impl Desk {
         }
         if action != Action::Merge {
             self.measured.forget_from(self.iteration());
+            self.peaks.forget_from(self.iteration());
         }
         self.merged = action == Action::Merge || (self.merged && !change.accumulated);
         self.tell_progress(Some(change));
@@ -335,7 +342,7 @@ impl Desk {
         }
         self.tell_pin();
         let Some(look) = self.look.clone() else { return };
-        let panes = cut::panes(&mut self.tracks, self.truth.as_deref(), &look);
+        let panes = cut::panes(&mut self.tracks, self.truth.as_deref(), &mut self.peaks, &look);
         let cloud = cut::cloud(&mut self.tracks, &look);
         self.pictured = Some(Instant::now());
         self.tell(News::Shown { look, panes, cloud });
@@ -343,7 +350,8 @@ impl Desk {
 
     fn tell_pin(&mut self) {
         let (Some(pin), Some(track)) = (self.pin, self.tracks.first()) else { return };
-        let samples = track.states().filter_map(|state| cut::sample(state, pin)).collect();
+        let senders = Senders::of(track.now().problem(), track.now().sizes().count());
+        let samples = track.states().filter_map(|state| cut::sample(state, pin, senders.as_ref())).collect();
         self.tell(News::Pinned(pin, samples));
     }
 

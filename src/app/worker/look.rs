@@ -4,6 +4,9 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::app::worker::received::Sent;
+
+use crate::report::glyph::Hue;
 use crate::report::slice::{Plane, Slice};
 use crate::sh::Sh;
 
@@ -35,8 +38,8 @@ impl Light {
     /// Its symbol after iteration `k`, where there is little room.
     pub fn letter(self, k: usize) -> String {
         match self {
-            Light::Source => format!("S_{k}"),
-            Light::Target => k.checked_sub(1).map_or("empty".to_owned(), |k| format!("S_{k}")),
+            Light::Source => snapshot(k),
+            Light::Target => k.checked_sub(1).map_or("empty".to_owned(), snapshot),
             Light::Accumulated => "S_A".to_owned(),
         }
     }
@@ -44,14 +47,20 @@ impl Light {
     /// Its symbol after iteration `k`.
     pub fn symbol(self, k: usize) -> String {
         match self {
-            Light::Source => format!("S_{k}"),
+            Light::Source => snapshot(k),
             Light::Target if k == 0 => "empty until the first iteration".to_owned(),
-            Light::Target => format!("S_{}", k - 1),
-            Light::Accumulated if k == 0 => "S_A = S_0".to_owned(),
-            Light::Accumulated if k == 1 => "S_A = S_0 + S_1".to_owned(),
-            Light::Accumulated => format!("S_A = S_0 + … + S_{k}"),
+            Light::Target => snapshot(k - 1),
+            Light::Accumulated if k == 0 => "S_A = S₀".to_owned(),
+            Light::Accumulated if k == 1 => "S_A = S₀ + S₁".to_owned(),
+            Light::Accumulated => format!("S_A = S₀ + … + {}", snapshot(k)),
         }
     }
+}
+
+/// S with its number below the line.
+fn snapshot(k: usize) -> String {
+    let below = |digit: char| char::from_u32('₀' as u32 + digit.to_digit(10).unwrap_or_default()).unwrap_or(digit);
+    std::iter::once('S').chain(k.to_string().chars().map(below)).collect()
 }
 
 /// A level of the octree, or all of them merged by the index volume.
@@ -144,6 +153,21 @@ pub struct CloudAsk {
     pub threshold: f32,
 }
 
+/// Which glyph is the one that fills its cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Brightest {
+    /// What of coloured light counts.
+    pub hue: Hue,
+    /// The share of glyphs that may not be larger: 1 for all of them.
+    pub quantile: f32,
+}
+
+impl Default for Brightest {
+    fn default() -> Self {
+        Brightest { hue: Hue::Mean, quantile: 1.0 }
+    }
+}
+
 /// All that is to be seen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
@@ -155,6 +179,8 @@ pub struct Look {
     pub plane: Plane,
     /// What cells' errors are against.
     pub against: Against,
+    /// Which glyph fills its cell.
+    pub brightest: Brightest,
     /// The three-dimensional view, if it is open.
     pub cloud: Option<CloudAsk>,
 }
@@ -179,6 +205,8 @@ pub struct Shown {
     pub forgotten: bool,
     /// The light.
     pub slice: Arc<Slice>,
+    /// The intensity that makes the brightest glyph of all iterations at hand fill its cell, where there is one.
+    pub of_run: Option<f32>,
     /// The error of each of the slice's cells. Differences have none, and level 0 has none but against what truly
     /// arrives.
     pub errors: Vec<Option<CellError>>,
@@ -224,7 +252,7 @@ pub struct Pin {
 }
 
 /// What a pinned cell held after one iteration.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PinSample {
     /// The iteration.
     pub iteration: usize,
@@ -232,4 +260,6 @@ pub struct PinSample {
     pub source: [Sh<f32>; 3],
     /// S_A in red, green and blue.
     pub accumulated: [Sh<f32>; 3],
+    /// What its neighbours sent it, where light goes by a scheme.
+    pub received: Vec<Sent>,
 }

@@ -3,8 +3,8 @@
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 
 use super::Panels;
-use crate::app::draw::glyphs::Scales;
 use crate::app::draw::grids::{Grids, Pointed};
+use crate::app::draw::scales::Scales;
 use crate::app::draw::space::Space;
 use crate::app::draw::style::theme;
 use crate::app::panels::{inspector, legend, notice, plots, runs, slices, space, view_bar};
