@@ -3,6 +3,7 @@
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 
 use super::Panels;
+use crate::app::draw::ball::Turn;
 use crate::app::draw::grids::{Grids, Pointed};
 use crate::app::draw::scales::Scales;
 use crate::app::draw::space::Space;
@@ -15,6 +16,8 @@ use crate::report::colour::Theme;
 
 /// The height from which the plots have a size of their own, in points.
 const TALL: f32 = 950.0;
+/// The width from which a cell's numbers stand beside the views, in points.
+const WIDE: f32 = 1250.0;
 
 /// The workspace's own state.
 #[derive(Default)]
@@ -24,21 +27,32 @@ pub struct Light {
     /// The scales of what is shown, with what they belong to.
     scales: Option<(View, u64, Scales)>,
     pointed: Option<Pointed>,
+    /// How the pinned cell's lobe is seen.
+    turn: Turn,
 }
 
 impl Panels for Light {
     fn ui(&mut self, ui: &mut Ui, session: &Session, asks: &mut Asks) {
+        let (width, height) = (ui.available_width(), ui.available_height());
+        let theme = theme(ui.ctx());
+        // A wide window has room for a cell's numbers from top to bottom, a narrow one beside the plots.
+        let beside = width > WIDE;
+        if beside {
+            Panel::right("inspector, tall").default_size(330.0).size_range(280.0..=480.0).show(ui, |ui| {
+                inspector::ui(ui, session, self.pointed, &mut self.turn, &theme, asks);
+            });
+        }
         // A taller window has more to give to both, but glyphs need the most. What a window was given while it was
         // small is not what it is to have on a whole screen.
-        let height = ui.available_height();
         let room = (height * 0.36).max(200.0);
         let name = if height > TALL { "errors, tall" } else { "errors" };
         Panel::bottom(name).default_size(room).size_range(90.0..=700.0).resizable(true).show(ui, |ui| {
             plots::bar(ui, session, asks);
-            let theme = theme(ui.ctx());
-            Panel::right("inspector").exact_size(292.0).resizable(false).show(ui, |ui| {
-                inspector::ui(ui, session, self.pointed, &theme, asks);
-            });
+            if !beside {
+                Panel::right("inspector").exact_size(292.0).resizable(false).show(ui, |ui| {
+                    inspector::ui(ui, session, self.pointed, &mut self.turn, &theme, asks);
+                });
+            }
             plots::ui(ui, session);
         });
         Panel::top("view").show(ui, |ui| view_bar::ui(ui, session, asks));
