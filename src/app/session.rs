@@ -3,6 +3,7 @@
 
 pub mod asides;
 pub mod ask;
+pub mod branches;
 pub mod cell_files;
 pub mod command;
 pub mod comparison;
@@ -124,6 +125,8 @@ impl Session {
                     self.sight.pinned = samples;
                 }
             }
+            News::Branches(tags) => self.run.branches.keep(tags),
+            News::Returned(tag) => self.run.turn_to(tag),
             News::Failed(line) => {
                 self.run.waiting = None;
                 self.sight.answered = true;

@@ -60,7 +60,7 @@ fn run(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     items(ui, session, &steps, asks);
     ui.separator();
     items(ui, session, &[Command::RunAll, Command::Rerun, Command::Play, Command::Stop, Command::KeepRun], asks);
-    items(ui, session, &[Command::Measure], asks);
+    items(ui, session, &[Command::RunBefore, Command::RunAfter, Command::Measure], asks);
     ui.separator();
     rerun(ui, session, asks);
 }

@@ -65,7 +65,9 @@ fn marks(session: &Session, theme: &Theme, pointed: Option<Pointed>) -> Vec<Mark
         }
     }
     if let Some((shown, i)) = under_pointer(session, pointed) {
-        let SliceCell { column, row, span, .. } = shown.slice.cells[i];
+        let SliceCell { level, cell, .. } = shown.slice.cells[i];
+        let (axis, span) = (shown.slice.plane.axis, 1 << level);
+        let (column, row) = (cell[axis.columns()] * span, cell[axis.rows()] * span);
         marks.push(Mark { pane: None, column, row, size: [span; 2], color: color(theme.ink) });
     }
     marks

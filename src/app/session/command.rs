@@ -48,6 +48,10 @@ pub enum Command {
     Last,
     /// Go on from the iteration that is shown.
     Restart,
+    /// Go back to the run that was left last.
+    RunBefore,
+    /// Go to the run that was last gone back from.
+    RunAfter,
     /// Cut one cell further down the axis.
     SliceDown,
     /// Cut one cell further up the axis.
@@ -100,7 +104,7 @@ pub enum Command {
 
 impl Command {
     /// All of them, in the order of the keyboard reference.
-    pub const ALL: [Command; 45] = [
+    pub const ALL: [Command; 47] = [
         Command::Open,
         Command::Save,
         Command::SaveAs,
@@ -122,6 +126,8 @@ impl Command {
         Command::First,
         Command::Last,
         Command::Restart,
+        Command::RunBefore,
+        Command::RunAfter,
         Command::SliceDown,
         Command::SliceUp,
         Command::NextAxis,
@@ -182,7 +188,11 @@ impl Command {
             Command::Forward => ("Iteration after", "Show the iteration after this one"),
             Command::First => ("First iteration", "Show the first iteration that is remembered"),
             Command::Last => ("Latest iteration", "Show the latest iteration, and follow it"),
-            Command::Restart => ("Go on from here", "Forget the iterations after the one shown, and go on from it"),
+            Command::Restart => ("Go on from here", "Go on from the iteration shown; the run that is left is kept"),
+            Command::RunBefore => {
+                ("Run before", "Take Clear, Run again or Go on from here back: the run that was left")
+            }
+            Command::RunAfter => ("Run after", "Go to the run that was last gone back from"),
             Command::SliceDown => ("Slice down", "Cut one cell nearer to the origin"),
             Command::SliceUp => ("Slice up", "Cut one cell farther from the origin"),
             Command::NextAxis => ("Next axis", "Cut across the next axis"),
@@ -237,6 +247,8 @@ impl Command {
             Command::First => plain(Key::Home),
             Command::Last => plain(Key::End),
             Command::Restart => plain(Key::G),
+            Command::RunBefore => plain(Key::B),
+            Command::RunAfter => plain(Key::N),
             Command::SliceDown => plain(Key::PageDown),
             Command::SliceUp => plain(Key::PageUp),
             Command::NextAxis => plain(Key::A),

@@ -23,6 +23,8 @@ impl Session {
             Command::Back | Command::First => self.seen() > run.progress.oldest,
             Command::Forward | Command::Last => run.at.is_some(),
             Command::Restart => run.at.is_some_and(|k| k < run.progress.iteration),
+            Command::RunBefore => run.branches.around()[0],
+            Command::RunAfter => run.branches.around()[1],
             Command::Measure => run.problem.is_some() && !self.asides.pareto.is_underway(),
             Command::KeepRun => run.curves.iter().any(|curves| !curves.rows.is_empty()),
             _ => true,
@@ -60,9 +62,10 @@ impl Session {
             Command::Last => self.run.at = None,
             Command::Restart => {
                 let k = self.seen();
-                self.run.at = None;
-                self.run.send(Order::Restart(k));
+                self.run.restart(k);
             }
+            Command::RunBefore => self.run.send(Order::Back),
+            Command::RunAfter => self.run.send(Order::Forward),
             Command::SliceDown => view.index = view.index.saturating_sub(1),
             Command::SliceUp => view.index = (view.index + 1).min(side - 1),
             Command::NextAxis => view.axis = Axis::ALL[(view.axis.across() + 1) % 3],

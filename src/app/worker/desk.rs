@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvError, Sender, TryRecvError};
 use std::time::{Duration, Instant};
 
+use crate::app::worker::branches::{Branch, Branches};
 use crate::app::worker::cut;
 use crate::app::worker::ledger::Ledger;
 use crate::app::worker::look::{Look, Pin};
@@ -51,6 +52,9 @@ pub struct Desk {
     metric: Option<Metric>,
     measured: Ledger,
     peaks: Peaks,
+    /// What the window knows the present run by.
+    tag: u64,
+    branches: Branches,
 }
 
 impl Desk {
@@ -79,6 +83,8 @@ impl Desk {
             metric: None,
             measured: Ledger::default(),
             peaks: Peaks::default(),
+            tag: 0,
+            branches: Branches::default(),
         }
     }
 
@@ -152,8 +158,9 @@ impl Desk {
                 self.tell_progress(None);
                 self.picture(false);
             }
-            Order::Restart(k) => {
+            Order::Restart(k, tag) => {
                 self.run = None;
+                self.branch(tag);
                 let back = self.tracks.iter_mut().all(|track| track.restart(k));
                 if !back {
                     self.tell(News::Failed(format!("iteration {k} is no longer remembered; run the scene again")));
@@ -164,6 +171,8 @@ impl Desk {
                 self.tell_progress(None);
                 self.picture(false);
             }
+            Order::Back => self.exchange(Branches::back),
+            Order::Forward => self.exchange(Branches::forward),
             Order::Look(look) => {
                 self.look = Some(look);
                 self.picture(false);
@@ -244,20 +253,64 @@ impl Desk {
         self.tell(News::Measured { iteration, metric, errors, behind: self.behind() });
     }
 
+    /// The present run, out of the way.
+    fn take_present(&mut self) -> Branch {
+        Branch {
+            tag: self.tag,
+            tracks: std::mem::take(&mut self.tracks),
+            measured: std::mem::take(&mut self.measured),
+            merged: std::mem::take(&mut self.merged),
+            brightest: self.brightest,
+        }
+    }
+
+    /// Goes on as the run `tag`; what is there stays as the branch that is left.
+    fn branch(&mut self, tag: u64) {
+        let (tracks, measured) = (self.tracks.clone(), self.measured.clone());
+        let left = self.take_present();
+        (self.tracks, self.measured, self.tag) = (tracks, measured, tag);
+        self.branches.leave(left, self.budget);
+        self.tell(News::Branches(self.branches.tags()));
+    }
+
+    /// Exchanges the present run for the one before or after it.
+    fn exchange(&mut self, with: impl FnOnce(&mut Branches, Branch) -> Branch) {
+        self.run = None;
+        let present = self.take_present();
+        let Branch { tag, tracks, measured, merged, brightest } = with(&mut self.branches, present);
+        (self.tag, self.tracks, self.measured) = (tag, tracks, measured);
+        (self.merged, self.brightest) = (merged, brightest);
+        self.peaks = Peaks::default();
+        let each = self.budget / self.tracks.len().max(1);
+        self.tracks.iter_mut().for_each(|track| track.set_budget(each));
+        self.tell(News::Returned(tag));
+        self.tell(News::Branches(self.branches.tags()));
+        self.turn_to();
+        self.tell_progress(None);
+        self.picture(false);
+    }
+
+    /// Turns to the problem of the present run: what truly arrives in another is of no use to it.
+    fn turn_to(&mut self) {
+        let Some(track) = self.tracks.first() else { return };
+        let problem = Arc::clone(track.now().problem());
+        self.truth = self.truth.take().filter(|truth| truth.is_of(&problem));
+        self.tell(News::Loaded(problem));
+    }
+
     fn load(&mut self, load: &Load) {
-        self.tracks.clear();
-        self.measured = Ledger::default();
+        let left = self.take_present();
+        self.tag = load.tag;
+        self.branches.leave(left, self.budget);
+        self.tell(News::Branches(self.branches.tags()));
         self.peaks = Peaks::default();
         self.run = None;
-        self.merged = false;
         match self.tracks_of(load) {
             Ok(tracks) => self.tracks = tracks,
             Err(line) => return self.tell(News::Failed(line)),
         }
-        let problem = Arc::clone(self.tracks[0].now().problem());
-        self.truth = self.truth.take().filter(|truth| truth.is_of(&problem));
-        self.brightest = std::array::from_fn(|axis| problem.brightest_slab(axis));
-        self.tell(News::Loaded(problem));
+        self.brightest = std::array::from_fn(|axis| self.tracks[0].now().problem().brightest_slab(axis));
+        self.turn_to();
         match load.start {
             Start::Dark => self.tell_progress(None),
             Start::To { iteration, merge } => {
@@ -366,8 +419,7 @@ impl Desk {
 /// and all but the last look.
 fn newest(mut orders: Vec<(u64, Order)>) -> Vec<(u64, Order)> {
     if let Some(load) = orders.iter().rposition(|(_, order)| matches!(order, Order::Load(_))) {
-        let outlasts =
-            |order: &Order| !matches!(order, Order::Load(_) | Order::Act(_) | Order::Stop | Order::Restart(_));
+        let outlasts = |order: &Order| !matches!(order, Order::Load(_) | Order::Act(_) | Order::Stop);
         let mut at = 0;
         orders.retain(|(_, order)| {
             at += 1;

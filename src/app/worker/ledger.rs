@@ -7,7 +7,7 @@ use std::ops::RangeInclusive;
 use crate::study::error::Metric;
 
 /// What has been measured.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Ledger {
     done: HashMap<Metric, BTreeSet<usize>>,
 }

@@ -36,7 +36,7 @@ impl Measured {
 }
 
 /// A simulation that remembers.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Track {
     now: Simulation<f32>,
     past: History,
