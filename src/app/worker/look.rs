@@ -225,6 +225,8 @@ pub struct CloudCell {
     pub span: f32,
     /// Its light in red, green and blue.
     pub light: [Sh<f32>; 3],
+    /// The cell that it was sampled from.
+    pub pin: Pin,
 }
 
 /// The three-dimensional view as it is.
@@ -236,8 +238,13 @@ pub struct Cloud {
     pub cells: Vec<CloudCell>,
     /// The middles of the occupied cells at the surface of occluders, in finest cells.
     pub occupied: Vec<[f32; 3]>,
+    /// Their side, in finest cells.
+    pub occupied_span: f32,
     /// Cells above the threshold that there was no room for.
     pub left_out: usize,
+    /// The level that is the finest shown, where there was no room for the cells of the level asked for, and how many
+    /// those are.
+    pub coarsened: Option<(usize, usize)>,
     /// The strongest cell's mean light, c00.
     pub strongest: f32,
 }

@@ -6,11 +6,12 @@ use super::Panels;
 use crate::app::draw::ball::Turn;
 use crate::app::draw::grids::{Grids, Pointed};
 use crate::app::draw::scales::Scales;
-use crate::app::draw::space::Space;
+use crate::app::draw::space::{Marks, Space};
 use crate::app::draw::style::theme;
 use crate::app::panels::{inspector, legend, notice, plots, runs, slices, space, view_bar};
 use crate::app::session::Session;
-use crate::app::session::ask::Asks;
+use crate::app::session::ask::{Ask, Asks};
+use crate::app::session::plots::Tab;
 use crate::app::session::view::{Stage, View};
 use crate::report::colour::Theme;
 
@@ -115,7 +116,12 @@ impl Light {
             self.flat(ui, session, theme, scales, asks);
         });
         if let Some(cloud) = &session.sight.cloud {
-            self.space.ui(ui, cloud, session.sight.space.lobes, &session.settings.view, theme);
+            let line = (session.settings.plots.tab == Tab::Line).then(|| session.line_ends());
+            let marks = Marks { pin: session.sight.pin, line };
+            let lobes = session.sight.space.lobes;
+            if let Some(pin) = self.space.ui(ui, cloud, lobes, &session.settings.view, &marks, theme) {
+                asks.ask(Ask::Pin((session.sight.pin != Some(pin)).then_some(pin)));
+            }
         }
     }
 }
