@@ -13,6 +13,8 @@ use super::draw::style;
 use super::files::dialog::Dialog;
 use super::files::home::Home;
 use super::files::recovery::Recovery;
+use super::panels::gallery::Gallery;
+use super::panels::palette::{self, Palette};
 use super::panels::{keys, menu, notice, offer, question, scene, timeline, toolbar};
 use super::session::Session;
 use super::session::ask::{Asks, Next};
@@ -35,6 +37,8 @@ pub struct Lab {
     /// Where unsaved work is kept, if it is.
     recovery: Option<Recovery>,
     keys_open: bool,
+    palette: Option<Palette>,
+    gallery: Gallery,
     window_title: String,
     /// Whether the window may close although edits are not saved.
     discard: bool,
@@ -53,6 +57,8 @@ impl Lab {
             home: None,
             recovery: None,
             keys_open: false,
+            palette: None,
+            gallery: Gallery::default(),
             window_title: String::new(),
             discard: false,
             next: None,
@@ -63,7 +69,7 @@ impl Lab {
     pub fn logic(&mut self, ctx: &Context) {
         self.session.listen();
         // While a question stands, keys are for answering it.
-        if self.next.is_none() && !self.dialog.asks() {
+        if self.next.is_none() && !self.dialog.asks() && self.palette.is_none() && !self.gallery.open {
             for command in command::pressed(ctx, |command| self.session.can(command)) {
                 self.perform(command, ctx);
             }
@@ -99,6 +105,8 @@ impl Lab {
         let Settings { recent, plots, .. } = &mut self.session.settings;
         self.dialog.ui(ui, recent, &mut plots.format);
         keys::ui(&ctx, &mut self.keys_open);
+        palette::ui(&ctx, &mut self.palette, &self.session, &mut asks);
+        self.gallery.ui(&ctx, &mut asks);
         self.grant(asks, &ctx);
         self.closing(&ctx);
     }

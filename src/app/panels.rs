@@ -4,12 +4,15 @@
 pub mod button;
 pub mod field;
 pub mod format;
+pub mod gallery;
+pub mod guide;
 pub mod inspector;
 pub mod keys;
 pub mod legend;
 pub mod menu;
 pub mod notice;
 pub mod offer;
+pub mod palette;
 pub mod plots;
 pub mod question;
 pub mod runs;

@@ -10,6 +10,7 @@ pub mod comparison;
 pub mod curves;
 pub mod document;
 pub mod format;
+pub mod guide;
 pub mod line;
 pub mod pareto;
 pub mod pin;
@@ -35,7 +36,7 @@ use self::run::Run;
 use self::settings::Settings;
 use self::sight::Sight;
 use super::worker::{News, Order, Start};
-use crate::scene::Preset;
+use crate::scene::{Preset, builtin};
 use crate::simulation::Action;
 use crate::transport::preset;
 
@@ -67,6 +68,8 @@ pub struct Session {
     pub asides: Asides,
     /// The injector that waits for a click to be placed.
     pub placing: Option<usize>,
+    /// What to look for in the preset, until it is dismissed.
+    pub guide: Option<String>,
     /// What is to be said, until it is dismissed.
     pub notice: Option<Notice>,
     /// What was said so far, the latest last.
@@ -84,6 +87,7 @@ impl Session {
             comparison: Comparison::default(),
             asides: Asides::default(),
             placing: None,
+            guide: None,
             notice: None,
             messages: Vec::new(),
         };
@@ -201,6 +205,7 @@ impl Session {
         self.run.kept.clear();
         self.sight.pin = None;
         self.placing = None;
+        self.guide = None;
         self.sight.centre = true;
         self.begin();
     }
@@ -208,7 +213,12 @@ impl Session {
     /// Opens a preset, or tells why it cannot be.
     pub fn open(&mut self, path: &Path) {
         match preset::read(path) {
-            Ok(preset) => self.take(Document::new(preset, Some(path.to_path_buf()))),
+            Ok(preset) => {
+                self.take(Document::new(preset, Some(path.to_path_buf())));
+                // It was just read; what has changed since is told when it is opened again.
+                self.guide = std::fs::read_to_string(path).ok().map(|text| guide::of_text(&text));
+                self.guide.take_if(|guide| guide.is_empty());
+            }
             Err(error) => self.fail(error.to_string()),
         }
     }
@@ -216,7 +226,10 @@ impl Session {
     /// Opens a preset that the program brings along.
     pub fn open_built_in(&mut self, name: &str) {
         match Document::built_in(name) {
-            Ok(document) => self.take(document),
+            Ok(document) => {
+                self.take(document);
+                self.guide = builtin::find(name).map(guide::of_text);
+            }
             Err(error) => self.fail(error.to_string()),
         }
     }

@@ -7,6 +7,7 @@ mod compare;
 mod driver;
 mod drops;
 mod exports;
+mod palette;
 mod plots;
 mod recovery;
 mod settings;

@@ -7,6 +7,7 @@ use egui::{Context, ViewportCommand};
 use super::Lab;
 use crate::app::files::export;
 use crate::app::files::recovery::Recovery;
+use crate::app::panels::palette::Palette;
 use crate::app::panels::question::Answer;
 use crate::app::session::ask::{Ask, Asks, Next};
 use crate::app::session::command::Command;
@@ -44,6 +45,7 @@ impl Lab {
             Ask::Leave(next) => self.ask_to_lose(next, ctx),
             Ask::Say(text) => session.say(text),
             Ask::Dismiss => session.notice = None,
+            Ask::DismissGuide => session.guide = None,
             Ask::SeekTruth(true) => session.asides.truth.try_again(),
             Ask::SeekTruth(false) => session.asides.truth.give_up(),
             Ask::CancelMeasurement => session.asides.cancel_measurement(),
@@ -73,6 +75,8 @@ impl Lab {
                 }
             }
             Command::Keys => self.keys_open = !self.keys_open,
+            Command::Palette => self.palette = Some(Palette::default()),
+            Command::Gallery => self.gallery.open = true,
             _ => log::warn!("nothing does {command:?}"),
         }
     }

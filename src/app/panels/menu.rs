@@ -19,12 +19,12 @@ pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
         });
         ui.menu_button("Run", |ui| run(ui, session, asks));
         ui.menu_button("View", |ui| view(ui, session, asks));
-        ui.menu_button("Help", |ui| items(ui, session, &[Command::Keys], asks));
+        ui.menu_button("Help", |ui| items(ui, session, &[Command::Palette, Command::Keys], asks));
     });
 }
 
 fn file(ui: &mut Ui, session: &Session, asks: &mut Asks) {
-    items(ui, session, &[Command::Open], asks);
+    items(ui, session, &[Command::Open, Command::Gallery], asks);
     ui.menu_button("Built-in presets", |ui| {
         for (name, _) in builtin::PRESETS {
             if ui.button(*name).clicked() {

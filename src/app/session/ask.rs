@@ -50,6 +50,8 @@ pub enum Ask {
     Say(String),
     /// Dismiss what is said.
     Dismiss,
+    /// Dismiss what to look for.
+    DismissGuide,
     /// Give up what truly arrives, or begin again.
     SeekTruth(bool),
     /// Call off the measurement of run time against error.

@@ -98,13 +98,17 @@ pub enum Command {
     CopyPlots,
     /// Put what the grids show on the clipboard, as a picture.
     CopyGrids,
+    /// All commands, presets and settings by name.
+    Palette,
+    /// The built-in presets with their pictures.
+    Gallery,
     /// The list of all keys.
     Keys,
 }
 
 impl Command {
     /// All of them, in the order of the keyboard reference.
-    pub const ALL: [Command; 47] = [
+    pub const ALL: [Command; 49] = [
         Command::Open,
         Command::Save,
         Command::SaveAs,
@@ -151,6 +155,8 @@ impl Command {
         Command::CopyCurves,
         Command::CopyPlots,
         Command::CopyGrids,
+        Command::Palette,
+        Command::Gallery,
         Command::Keys,
     ];
 
@@ -216,6 +222,8 @@ impl Command {
             Command::CopyCurves => ("Copy curves", "Put the numbers that the plots show on the clipboard, as CSV"),
             Command::CopyPlots => ("Copy plots", "Put the plots on the clipboard, as a picture"),
             Command::CopyGrids => ("Copy grids", "Put the slices that are shown on the clipboard, as a picture"),
+            Command::Palette => ("Commands…", "Find a command, a preset or a setting by its name"),
+            Command::Gallery => ("Gallery…", "The built-in presets, with pictures and what to look for"),
             Command::Keys => ("Keyboard reference", "All keys"),
         }
     }
@@ -269,6 +277,8 @@ impl Command {
             Command::CopyPlots => with_both(Key::P),
             Command::CopyGrids => with_both(Key::G),
             Command::ExportCsv => with_control(Key::E),
+            Command::Palette => with_control(Key::P),
+            Command::Gallery => with_control(Key::G),
             Command::Keys => plain(Key::F1),
             Command::ExportSvg | Command::ExportPng | Command::ExportGrids => None,
         }

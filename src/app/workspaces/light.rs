@@ -8,7 +8,7 @@ use crate::app::draw::grids::{Grids, Pointed};
 use crate::app::draw::scales::Scales;
 use crate::app::draw::space::{Marks, Space};
 use crate::app::draw::style::theme;
-use crate::app::panels::{inspector, legend, notice, plots, runs, slices, space, view_bar};
+use crate::app::panels::{guide, inspector, legend, notice, plots, runs, slices, space, view_bar};
 use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
 use crate::app::session::plots::Tab;
@@ -80,6 +80,7 @@ impl Light {
         let scales = self.scales(session);
         Panel::bottom("legend").show_separator_line(false).frame(Frame::NONE).show(ui, |ui| {
             legend::ui(ui, &session.settings.view, &scales, &session.sight.shown, &theme);
+            guide::ui(ui, session, asks);
         });
         match session.settings.view.stage {
             Stage::Grids => self.flat(ui, session, &theme, &scales, asks),
