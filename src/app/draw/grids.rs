@@ -73,6 +73,8 @@ pub struct Manner<'a> {
     pub paint: Paint,
     /// Rectangles to frame.
     pub marks: &'a [Mark],
+    /// What stands between neighbouring views in a row, from the left.
+    pub between: &'a [&'a str],
 }
 
 /// What the pointer does in a view.
@@ -128,6 +130,11 @@ impl Grids {
             let at = corner + vec2((i % columns) as f32, (i / columns) as f32) * (block + Vec2::splat(gap));
             let rect = Rect::from_min_size((at + vec2(MARGIN, TITLE)).round(), Vec2::splat(side.floor()));
             pointed = self.pane(ui, i, rect, shown, &titles[i], manner).or(pointed);
+            if let (Some(sign), false) = (manner.between.get(i), (i + 1) % columns == 0) {
+                let at = rect.right_center() + vec2((gap + MARGIN) / 2.0, -12.0);
+                let font = FontId::proportional(15.0);
+                ui.painter().text(at, Align2::CENTER_CENTER, *sign, font, color(manner.theme.muted));
+            }
         }
         pointed
     }
@@ -141,7 +148,7 @@ impl Grids {
         title: &str,
         manner: &Manner,
     ) -> Option<Pointed> {
-        let Manner { view, theme, scales, paint, marks } = *manner;
+        let Manner { view, theme, scales, paint, marks, .. } = *manner;
         let scale = scales.scale(shown);
         let response = ui.interact(rect, ui.scope_id().with(("view", i)), Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("View: {title}")));

@@ -1,6 +1,6 @@
 //! The flat views, with what the pointer does in them.
 
-use egui::Ui;
+use egui::{Align2, Ui};
 
 use crate::app::draw::grids::{Grids, Manner, Mark, Pointed};
 use crate::app::draw::ink::color;
@@ -8,6 +8,7 @@ use crate::app::draw::scales::Scales;
 use crate::app::session::Session;
 use crate::app::session::ask::Asks;
 use crate::app::session::plots::Tab;
+use crate::app::session::view::Stage;
 use crate::app::worker::look::Shown;
 use crate::report::colour::Theme;
 use crate::report::slice::SliceCell;
@@ -24,8 +25,21 @@ pub fn ui(
 ) -> Option<Pointed> {
     let marks = marks(session, theme, pointed);
     let paint = scales.paint(&session.settings.view);
-    let manner = Manner { view: &session.settings.view, theme, scales, paint, marks: &marks };
-    let pointed = grids.ui(ui, &session.sight.shown, &session.titles(), &manner)?;
+    // The algorithm's way: what the source sends comes into the target, which is added to the sum.
+    let between: &[&str] = if session.settings.view.stage == Stage::Grids { &["→", "+"] } else { &[] };
+    let manner = Manner { view: &session.settings.view, theme, scales, paint, marks: &marks, between };
+    let room = ui.available_rect_before_wrap();
+    let pointed = grids.ui(ui, &session.sight.shown, &session.titles(), &manner);
+    if let Some(why) = session.why_dark() {
+        let font = egui::FontId::proportional(15.0);
+        let galley = ui.painter().layout(why.to_owned(), font, color(theme.ink), room.width() - 20.0);
+        let rect = Align2::CENTER_CENTER.anchor_size(room.center(), galley.size());
+        ui.painter().rect_filled(rect.expand(8.0), 4.0, color(theme.ground).gamma_multiply(0.9));
+        ui.painter().galley(rect.min, galley, color(theme.ink));
+        ui.interact(rect, ui.id().with("dark"), egui::Sense::hover())
+            .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, why));
+    }
+    let pointed = pointed?;
     if let Some(shown) = session.sight.shown.get(pointed.pane) {
         if pointed.double_clicked {
             session.pick(shown, pointed.at, asks);

@@ -123,6 +123,18 @@ impl Session {
         Look { panes, layer: view.layer, plane: view.plane(), against: self.against(), brightest, cloud }
     }
 
+    /// Why nothing is to be seen, where that is so.
+    pub fn why_dark(&self) -> Option<&'static str> {
+        let problem = self.run.problem.as_ref()?;
+        if !self.sight.answered || self.run.progress.lit > 0 {
+            return None;
+        }
+        Some(match problem.sources.is_empty() {
+            true => "No light: add an injector, or switch one on.",
+            false => "Dark: inject the light (I), or run it all (R).",
+        })
+    }
+
     /// Keeps a cell in sight, or none.
     pub fn set_pin(&mut self, pin: Option<Pin>) {
         self.sight.pin = pin;

@@ -35,6 +35,15 @@ impl Light {
         }
     }
 
+    /// What it is for, in a few words.
+    pub fn about(self) -> &'static str {
+        match self {
+            Light::Source => "what the next iteration sends on",
+            Light::Target => "what the next iteration writes over",
+            Light::Accumulated => "the sum of all so far",
+        }
+    }
+
     /// Its symbol after iteration `k`, where there is little room.
     pub fn letter(self, k: usize) -> String {
         match self {

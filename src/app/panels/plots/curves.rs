@@ -31,6 +31,11 @@ pub fn ui(ui: &mut Ui, plots: &Plots, drawing: &Drawing) {
     if count == 0 {
         ui.weak("Nothing is chosen to be drawn: see Curves.");
     }
+    let iterated = drawing.runs.iter().flat_map(|run| &run.rows).any(|row| row.iteration > 0);
+    if !iterated {
+        ui.weak("Errors over the iterations appear here once light has moved: press Space for the next iteration.");
+        return;
+    }
     let gap = 8.0;
     let each = vec2(((room.x + gap) / count.max(1) as f32 - gap).max(80.0), room.y.max(60.0));
     ui.horizontal_top(|ui| {
