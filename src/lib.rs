@@ -11,6 +11,7 @@
 //! | 4 | [`scene`] | the preset document, injectors, occluders, cell files |
 //! | 3 | [`propagate`] | what a propagator is, the registry, the loops |
 //! | 2 | [`field`] | grids, octrees, the index volume |
+//! | 2 | [`mesh`] | triangles, materials, readers, rays |
 //! | 1 | [`sh`] | two-band spherical harmonics |
 #![forbid(unsafe_code)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used))]
@@ -19,6 +20,7 @@
 pub mod app;
 pub mod cli;
 pub mod field;
+pub mod mesh;
 pub mod report;
 pub mod scene;
 pub mod sh;
