@@ -109,6 +109,17 @@ impl Asides {
 }
 
 impl Session {
+    /// What was measured last.
+    pub fn pareto_rows(&self) -> &[Row] {
+        self.asides.pareto.latest().map_or(&[], |(_, rows)| rows)
+    }
+
+    /// Whether what was measured is of another problem than the one that runs.
+    pub fn pareto_is_old(&self) -> bool {
+        let now = self.run.problem.as_ref();
+        self.asides.pareto.latest().zip(now).is_some_and(|(((Very(of), _), _), now)| !Arc::ptr_eq(of, now))
+    }
+
     /// Whether something on screen is measured against what truly arrives.
     pub fn wants_truth(&self) -> bool {
         let seen = self.settings.view.stage == Stage::Compare && self.run.others.contains(&Rival::Ballistic);

@@ -3,6 +3,8 @@
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 
+use super::view::Workspace;
+
 /// Something that the window can be told to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Command {
@@ -68,6 +70,14 @@ pub enum Command {
     Merged,
     /// Zoom and pan back to the whole slice.
     WholeSlice,
+    /// The workspace of light in the volume.
+    ToLight,
+    /// The workspace of the scene.
+    ToScene,
+    /// The workspace of the picture.
+    ToPicture,
+    /// The workspace of studies.
+    ToStudy,
     /// Source, target and accumulated light.
     Grids,
     /// Several propagators side by side.
@@ -108,7 +118,7 @@ pub enum Command {
 
 impl Command {
     /// All of them, in the order of the keyboard reference.
-    pub const ALL: [Command; 49] = [
+    pub const ALL: [Command; 53] = [
         Command::Open,
         Command::Save,
         Command::SaveAs,
@@ -140,6 +150,10 @@ impl Command {
         Command::Merged,
         Command::NextPaint,
         Command::WholeSlice,
+        Command::ToLight,
+        Command::ToScene,
+        Command::ToPicture,
+        Command::ToStudy,
         Command::Grids,
         Command::Compare,
         Command::Space,
@@ -207,6 +221,10 @@ impl Command {
             Command::Merged => ("Merged levels", "Show the merged levels, or level 0"),
             Command::NextPaint => ("Next colouring", "Have the glyphs' colour tell something else"),
             Command::WholeSlice => ("Whole slice", "Zoom and pan back to the whole slice"),
+            Command::ToLight => ("Light workspace", "How light travels: grids, space, comparison and plots"),
+            Command::ToScene => ("Scene workspace", "The scene in space: mesh, lights and occluders"),
+            Command::ToPicture => ("Picture workspace", "What a camera sees, and its truth"),
+            Command::ToStudy => ("Study workspace", "Questions put to the light"),
             Command::Grids => ("Grids", "Source, target and accumulated light side by side"),
             Command::Compare => ("Compare", "Propagators or iterations side by side, with their difference"),
             Command::Space => ("3D", "The light in space: drag to orbit, scroll to zoom"),
@@ -225,6 +243,17 @@ impl Command {
             Command::Palette => ("Commands…", "Find a command, a preset or a setting by its name"),
             Command::Gallery => ("Gallery…", "The built-in presets, with pictures and what to look for"),
             Command::Keys => ("Keyboard reference", "All keys"),
+        }
+    }
+
+    /// The workspace that it opens, if it opens one.
+    pub fn workspace(self) -> Option<Workspace> {
+        match self {
+            Command::ToLight => Some(Workspace::Light),
+            Command::ToScene => Some(Workspace::Scene),
+            Command::ToPicture => Some(Workspace::Picture),
+            Command::ToStudy => Some(Workspace::Study),
+            _ => None,
         }
     }
 
@@ -265,6 +294,10 @@ impl Command {
             Command::Merged => plain(Key::L),
             Command::NextPaint => plain(Key::H),
             Command::WholeSlice => plain(Key::W),
+            Command::ToLight => plain(Key::Num1),
+            Command::ToScene => plain(Key::Num2),
+            Command::ToPicture => plain(Key::Num3),
+            Command::ToStudy => plain(Key::Num4),
             Command::Grids => plain(Key::F2),
             Command::Compare => plain(Key::F3),
             Command::Space => plain(Key::F4),

@@ -2,8 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Session;
-use super::asides::Very;
 use super::format::Format;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
 use crate::study::pareto::{Row, front};
@@ -84,17 +82,4 @@ pub fn figure(title: &str, rows: &[&Row], choice: ParetoChoice, format: &Format)
     });
     let size = format.figure(plots.len());
     Figure { title: title.to_owned(), plots: plots.to_vec(), theme: format.theme(), size }
-}
-
-impl Session {
-    /// What was measured last.
-    pub fn pareto_rows(&self) -> &[Row] {
-        self.asides.pareto.latest().map_or(&[], |(_, rows)| rows)
-    }
-
-    /// Whether what was measured is of another problem than the one that runs.
-    pub fn pareto_is_old(&self) -> bool {
-        let now = self.run.problem.as_ref();
-        self.asides.pareto.latest().zip(now).is_some_and(|(((Very(of), _), _), now)| !std::sync::Arc::ptr_eq(of, now))
-    }
 }

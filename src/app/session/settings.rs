@@ -83,6 +83,9 @@ impl Settings {
         self.past_mib = nearest(self.past_mib, PAST, usual.past_mib);
         self.pace = nearest(self.pace, PACE, usual.pace);
         self.recent.truncate(MOST_RECENT);
+        if !Workspace::FILLED.contains(&self.workspace) {
+            self.workspace = Workspace::default();
+        }
         let view = &mut self.view;
         view.full = nearest(view.full, FULL, usual.view.full);
         view.decades = nearest(view.decades, DECADES, usual.view.decades);
@@ -103,8 +106,10 @@ impl Settings {
         if path.to_str().is_none() {
             return;
         }
-        self.recent.retain(|known| known != path);
-        self.recent.insert(0, path.to_path_buf());
+        // The program may be started elsewhere the next time.
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+        self.recent.retain(|known| *known != path);
+        self.recent.insert(0, path);
         self.recent.truncate(MOST_RECENT);
     }
 }
@@ -129,6 +134,7 @@ mod tests {
     fn what_is_written_is_read_back_and_what_is_left_out_is_usual() {
         let mut settings = Settings { past_mib: 77, pace: 1.5, rerun: true, ..Settings::default() };
         settings.remember(Path::new("a/\"b\" é.ron"));
+        assert!(settings.recent[0].is_absolute());
         settings.view.layer = Layer::Level(3);
         settings.plots.level = Some(2);
         assert_eq!(Settings::parse(&settings.to_ron(), Path::new("s")), Ok(settings));

@@ -5,7 +5,7 @@ use egui::Context;
 use super::Session;
 use super::command::Command;
 use super::plots::Tab;
-use super::view::Stage;
+use super::view::{Stage, Workspace};
 use crate::app::worker::look::Layer;
 use crate::app::worker::{Order, Progress, Start};
 use crate::report::colour::Paint;
@@ -16,6 +16,9 @@ impl Session {
     /// Whether a command can be given now.
     pub fn can(&self, command: Command) -> bool {
         let run = &self.run;
+        if let Some(workspace) = command.workspace() {
+            return Workspace::FILLED.contains(&workspace);
+        }
         match command {
             Command::Undo => self.document.can_undo(),
             Command::Redo => self.document.can_redo(),
@@ -37,6 +40,10 @@ impl Session {
         let levels = self.run.progress.levels.max(1);
         let view = &mut self.settings.view;
         let level = if let Layer::Level(level) = view.layer { level } else { 0 };
+        if let Some(workspace) = command.workspace() {
+            self.settings.workspace = workspace;
+            return true;
+        }
         match command {
             Command::Undo => self.document.undo(),
             Command::Redo => self.document.redo(),

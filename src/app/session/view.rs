@@ -114,6 +114,16 @@ pub enum Workspace {
 impl Workspace {
     /// Those that there is something in.
     pub const FILLED: &[Workspace] = &[Workspace::Light];
+
+    /// Its name on screen.
+    pub fn name(self) -> &'static str {
+        match self {
+            Workspace::Light => "Light",
+            Workspace::Scene => "Scene",
+            Workspace::Picture => "Picture",
+            Workspace::Study => "Study",
+        }
+    }
 }
 
 /// The middle of the window.
