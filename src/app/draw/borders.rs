@@ -2,8 +2,8 @@
 
 use egui::{Align2, FontId, Painter, Pos2, vec2};
 
-use super::glyphs::Placing;
 use super::ink::color;
+use super::placing::Placing;
 use crate::app::worker::look::Shown;
 use crate::report::colour::Theme;
 use crate::report::slice::Border;

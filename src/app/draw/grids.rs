@@ -5,12 +5,10 @@ use std::sync::Arc;
 use egui::{Align2, Color32, FontId, Mesh, Pos2, Rect, Response, Sense, Shape, TextureHandle, Ui, Vec2, pos2, vec2};
 
 use crate::app::draw::borders;
-use crate::app::draw::glyphs::Placing;
-use crate::app::draw::glyphs::Style;
 use crate::app::draw::glyphs::meshes;
 use crate::app::draw::ink::color;
-use crate::app::draw::scales::Scale;
-use crate::app::draw::scales::Scales;
+use crate::app::draw::placing::{Placing, Style};
+use crate::app::draw::scales::{Scale, Scales};
 use crate::app::draw::sprites;
 use crate::app::session::view::View;
 use crate::app::worker::look::Shown;

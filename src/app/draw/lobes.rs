@@ -6,8 +6,8 @@ use std::collections::HashMap;
 use egui::{Color32, Mesh, Pos2, Rect, pos2, vec2};
 
 use super::clip;
-use super::glyphs::{Placing, Style};
 use super::ink::{Ink, color};
+use super::placing::{Placing, Style};
 use super::sprites;
 use crate::app::worker::look::Shown;
 use crate::field::Cell;

@@ -6,8 +6,9 @@ use std::sync::Arc;
 
 use egui::{Context, Id, Label, Modal, Rect, RichText, ScrollArea, Sense, Shape, TextureHandle, Ui, pos2, vec2};
 
-use crate::app::draw::glyphs::{Placing, Style, meshes};
+use crate::app::draw::glyphs::meshes;
 use crate::app::draw::ink::color;
+use crate::app::draw::placing::{Placing, Style};
 use crate::app::draw::scales::Scales;
 use crate::app::draw::sprites;
 use crate::app::draw::style::theme;
@@ -17,7 +18,6 @@ use crate::app::session::guide;
 use crate::app::session::view::{Fill, View};
 use crate::app::worker::cut;
 use crate::app::worker::look::{Against, Layer, Light, Look, Of, Pane, Shown, State};
-use crate::app::worker::peaks::Peaks;
 use crate::app::worker::track::Track;
 use crate::report::slice::Plane;
 use crate::scene::{Problem, builtin};
@@ -157,6 +157,6 @@ fn picture(name: &str) -> Result<Shown, String> {
         brightest: Default::default(),
         cloud: None,
     };
-    let shown = cut::panes(&mut [track], None, &mut Peaks::default(), &look).pop();
+    let shown = cut::panes(&mut [track], None, &look).pop();
     shown.ok_or_else(|| format!("{name} shows nothing"))
 }

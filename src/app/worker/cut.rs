@@ -6,9 +6,7 @@ mod cloud;
 
 use std::sync::Arc;
 
-use crate::app::worker::look::{Layer, Light, Look, Of, Pane, Pin, PinSample, Shown, State};
-use crate::app::worker::peaks::Peaks;
-use crate::app::worker::received::Senders;
+use crate::app::worker::look::{Layer, Light, Look, Of, Pane, Shown, State};
 use crate::app::worker::track::Track;
 use crate::field::{Channels, Grid, Octree, downsample_into};
 use crate::report::slice::{Plane, Slice};
@@ -21,7 +19,7 @@ pub use cloud::cloud;
 
 /// Everything that `look` asks for. What is not there is left out: tracks, and what truly arrives while it is not
 /// known.
-pub fn panes(tracks: &mut [Track], truth: Option<&Ballistic>, peaks: &mut Peaks, look: &Look) -> Vec<Shown> {
+pub fn panes(tracks: &mut [Track], truth: Option<&Ballistic>, look: &Look) -> Vec<Shown> {
     let Some(first) = tracks.first() else { return Vec::new() };
     // Where levels are asked for, volumes of a single level show the mean light in cells as large.
     let last = first.now().sizes().count() - 1;
@@ -30,12 +28,7 @@ pub fn panes(tracks: &mut [Track], truth: Option<&Ballistic>, peaks: &mut Peaks,
         Layer::Merged => Layer::Merged,
     };
     let look = Look { layer, ..look.clone() };
-    let cut = |pane: &Pane| {
-        let mut shown = cut(tracks, truth, *pane, &look)?;
-        shown.of_run = peaks.of_run(tracks, *pane, &look);
-        Some(shown)
-    };
-    look.panes.iter().filter_map(cut).collect()
+    look.panes.iter().filter_map(|pane| cut(tracks, truth, *pane, &look)).collect()
 }
 
 fn cut(tracks: &mut [Track], truth: Option<&Ballistic>, pane: Pane, look: &Look) -> Option<Shown> {
@@ -110,7 +103,7 @@ fn flat(grids: &[Grid<f32>], channels: &Channels, layer: Layer, plane: Plane) ->
 }
 
 /// A channel's octree.
-fn octree(light: &crate::simulation::Light<f32>, which: Light) -> &Octree<f32> {
+pub fn octree(light: &crate::simulation::Light<f32>, which: Light) -> &Octree<f32> {
     match which {
         Light::Source => &light.source,
         Light::Target => &light.target,
@@ -159,19 +152,6 @@ pub fn mix(simulation: &Simulation<f32>, channel: impl Fn(usize) -> Sh<f32>) -> 
     simulation.channels().rgb().map(|share| channel(share.channel) * share.scale as f32)
 }
 
-/// What a pinned cell holds in a state.
-pub fn sample(state: &Simulation<f32>, pin: Pin, senders: Option<&Senders>) -> Option<PinSample> {
-    let side = state.sizes().side(pin.level);
-    if pin.level >= state.sizes().count() || pin.cell.iter().any(|c| *c >= side) {
-        return None;
-    }
-    let of =
-        |which: Light| mix(state, |channel| octree(&state.lights()[channel], which).level(pin.level).get(pin.cell));
-    let received = senders.map(|senders| senders.received(state, pin)).unwrap_or_default();
-    let (source, accumulated) = (of(Light::Source), of(Light::Accumulated));
-    Some(PinSample { iteration: state.iteration(), source, accumulated, received })
-}
-
 #[cfg(test)]
 pub(in crate::app) mod tests {
     use std::path::Path;
@@ -212,10 +192,10 @@ pub(in crate::app) mod tests {
     fn a_difference_from_itself_is_dark_and_from_the_past_is_what_was_added() {
         let mut tracks = [track(ONE)];
         let own = State { of: Of::Track(0), iteration: None };
-        let shown = panes(&mut tracks, None, &mut Peaks::default(), &look(Layer::Merged, Some(own)));
+        let shown = panes(&mut tracks, None, &look(Layer::Merged, Some(own)));
         assert!(shown[0].slice.cells.iter().all(|cell| cell.light.iter().all(|sh| sh.is_zero())));
         let before = State { of: Of::Track(0), iteration: Some(1) };
-        let shown = panes(&mut tracks, None, &mut Peaks::default(), &look(Layer::Level(0), Some(before)));
+        let shown = panes(&mut tracks, None, &look(Layer::Level(0), Some(before)));
         for cell in &shown[0].slice.cells {
             let added = tracks[0].now().lights()[0].source.level(0).get(cell.cell);
             assert!((cell.light[0] - added).max_norm() < 1e-6);
@@ -230,8 +210,8 @@ pub(in crate::app) mod tests {
         let arrived =
             |minus| Pane { light: Light::Accumulated, state: State { of: Of::Truth, iteration: None }, minus };
         let look = Look { panes: vec![arrived(None), arrived(Some(own))], ..look(Layer::Merged, None) };
-        assert!(panes(&mut tracks, None, &mut Peaks::default(), &look).is_empty());
-        let shown = panes(&mut tracks, Some(&truth), &mut Peaks::default(), &look);
+        assert!(panes(&mut tracks, None, &look).is_empty());
+        let shown = panes(&mut tracks, Some(&truth), &look);
         let moved = ballistic::moved(tracks[0].now());
         for (is, difference) in shown[0].slice.cells.iter().zip(&shown[1].slice.cells) {
             assert_eq!(is.light[0], truth.light()[0].get(is.cell));

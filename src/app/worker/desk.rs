@@ -10,7 +10,7 @@ use crate::app::worker::cut;
 use crate::app::worker::ledger::Ledger;
 use crate::app::worker::look::{Look, Pin};
 use crate::app::worker::peaks::Peaks;
-use crate::app::worker::received::Senders;
+use crate::app::worker::received::{self, Senders};
 use crate::app::worker::track::{Measured, Track};
 use crate::app::worker::{Load, News, Order, Progress, Start};
 use crate::scene::Problem;
@@ -395,7 +395,10 @@ impl Desk {
         }
         self.tell_pin();
         let Some(look) = self.look.clone() else { return };
-        let panes = cut::panes(&mut self.tracks, self.truth.as_deref(), &mut self.peaks, &look);
+        let mut panes = cut::panes(&mut self.tracks, self.truth.as_deref(), &look);
+        for shown in &mut panes {
+            shown.of_run = self.peaks.of_run(&self.tracks, shown.pane, &look);
+        }
         let cloud = cut::cloud(&mut self.tracks, &look);
         self.pictured = Some(Instant::now());
         self.tell(News::Shown { look, panes, cloud });
@@ -404,7 +407,7 @@ impl Desk {
     fn tell_pin(&mut self) {
         let (Some(pin), Some(track)) = (self.pin, self.tracks.first()) else { return };
         let senders = Senders::of(track.now().problem(), track.now().sizes().count());
-        let samples = track.states().filter_map(|state| cut::sample(state, pin, senders.as_ref())).collect();
+        let samples = track.states().filter_map(|state| received::sample(state, pin, senders.as_ref())).collect();
         self.tell(News::Pinned(pin, samples));
     }
 

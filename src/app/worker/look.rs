@@ -4,11 +4,10 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::app::worker::received::Sent;
-
 use crate::report::glyph::Hue;
 use crate::report::slice::{Plane, Slice};
 use crate::sh::Sh;
+use crate::transport::lattice::face::Direction;
 
 /// One of the three octrees.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -265,6 +264,17 @@ pub struct Pin {
     pub level: usize,
     /// The cell, counted in its level.
     pub cell: crate::field::Cell,
+}
+
+/// What one neighbour sent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sent {
+    /// The way that the light went, from the neighbour into the cell.
+    pub towards: Direction,
+    /// All that arrived, in red, green and blue.
+    pub light: [Sh<f32>; 3],
+    /// The mean of the colours' c00 that came to the face in each of [`Direction::ALL`], by where its lobe points.
+    pub faces: [f32; 6],
 }
 
 /// What a pinned cell held after one iteration.

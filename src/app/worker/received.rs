@@ -4,25 +4,14 @@
 //! [`Tap`](crate::transport::lattice::stencil::Tap)) of the light of a neighbour is what went through one face, before
 //! occluders took their share.
 
-use crate::app::worker::cut::mix;
-use crate::app::worker::look::Pin;
+use crate::app::worker::cut::{mix, octree};
+use crate::app::worker::look::{Light, Pin, PinSample, Sent};
 use crate::scene::Problem;
 use crate::sh::Sh;
 use crate::simulation::Simulation;
 use crate::transport::lattice::face::Direction;
 use crate::transport::lattice::levels::{LevelOperator, operators};
 use crate::transport::lattice::schemes;
-
-/// What one neighbour sent.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sent {
-    /// The way that the light went, from the neighbour into the cell.
-    pub towards: Direction,
-    /// All that arrived, in red, green and blue.
-    pub light: [Sh<f32>; 3],
-    /// The mean of the colours' c00 that came to the face in each of [`Direction::ALL`], by where its lobe points.
-    pub faces: [f32; 6],
-}
 
 /// The operators of a problem's levels, where it has a lattice.
 #[derive(Debug)]
@@ -54,6 +43,19 @@ impl Senders {
         });
         sent.collect()
     }
+}
+
+/// What a pinned cell holds in a state.
+pub fn sample(state: &Simulation<f32>, pin: Pin, senders: Option<&Senders>) -> Option<PinSample> {
+    let side = state.sizes().side(pin.level);
+    if pin.level >= state.sizes().count() || pin.cell.iter().any(|c| *c >= side) {
+        return None;
+    }
+    let of =
+        |which: Light| mix(state, |channel| octree(&state.lights()[channel], which).level(pin.level).get(pin.cell));
+    let received = senders.map(|senders| senders.received(state, pin)).unwrap_or_default();
+    let (source, accumulated) = (of(Light::Source), of(Light::Accumulated));
+    Some(PinSample { iteration: state.iteration(), source, accumulated, received })
 }
 
 /// The one of [`Direction::ALL`] that a lobe points to most.

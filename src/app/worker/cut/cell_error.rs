@@ -70,7 +70,6 @@ mod tests {
     use crate::app::worker::cut::panes;
     use crate::app::worker::cut::tests::{ONE, look, track};
     use crate::app::worker::look::{Against, Layer, Look};
-    use crate::app::worker::peaks::Peaks;
     use crate::app::worker::track::Track;
     use crate::scene::{Preset, Problem};
     use crate::simulation::Action;
@@ -82,17 +81,12 @@ mod tests {
         let mut fresh = Track::new(Problem::build(&preset, Path::new("")).unwrap(), 1 << 20).unwrap();
         fresh.act(Action::Inject);
         fresh.act(Action::Downsample);
-        let shown = panes(&mut [fresh], None, &mut Peaks::default(), &look(Layer::Level(2), None));
+        let shown = panes(&mut [fresh], None, &look(Layer::Level(2), None));
         assert_eq!(shown[0].errors.len(), 4);
         assert!(shown[0].errors.iter().all(|error| error.unwrap().absolute < 1e-6));
-        let shown = panes(&mut [track(ONE)], None, &mut Peaks::default(), &look(Layer::Level(2), None));
+        let shown = panes(&mut [track(ONE)], None, &look(Layer::Level(2), None));
         assert!(shown[0].errors.iter().any(|error| error.unwrap().absolute > 1e-4));
-        assert!(
-            panes(&mut [track(ONE)], None, &mut Peaks::default(), &look(Layer::Level(0), None))[0]
-                .errors
-                .iter()
-                .all(Option::is_none)
-        );
+        assert!(panes(&mut [track(ONE)], None, &look(Layer::Level(0), None))[0].errors.iter().all(Option::is_none));
     }
 
     #[test]
@@ -103,12 +97,12 @@ mod tests {
         let mut largest = 0.0f32;
         for index in 0..8 {
             let plane = crate::report::slice::Plane { index, ..look.plane };
-            let shown = panes(&mut tracks, Some(&truth), &mut Peaks::default(), &Look { plane, ..look.clone() });
+            let shown = panes(&mut tracks, Some(&truth), &Look { plane, ..look.clone() });
             largest = shown[0].errors.iter().fold(largest, |m, error| m.max(error.unwrap().absolute));
         }
         let row = crate::study::ballistic::error(tracks[0].now(), &truth);
         assert!((f64::from(largest) - row.absolute_max).abs() < 1e-6, "{largest} {row:?}");
-        let unknown = panes(&mut tracks, None, &mut Peaks::default(), &look);
+        let unknown = panes(&mut tracks, None, &look);
         assert!(unknown[0].errors.is_empty());
     }
 }
