@@ -15,7 +15,7 @@ use super::files::home::Home;
 use super::files::recovery::Recovery;
 use super::panels::gallery::Gallery;
 use super::panels::palette::{self, Palette};
-use super::panels::{keys, menu, notice, offer, question, scene, timeline, toolbar};
+use super::panels::{field, keys, menu, notice, offer, question, scene, timeline, toolbar};
 use super::session::Session;
 use super::session::ask::{Asks, Next};
 use super::session::command;
@@ -40,6 +40,8 @@ pub struct Lab {
     palette: Option<Palette>,
     gallery: Gallery,
     window_title: String,
+    /// Whether it was told that settings cannot be kept.
+    told_of_home: bool,
     /// Whether the window may close although edits are not saved.
     discard: bool,
     /// What waits for edits to be saved or given up.
@@ -60,6 +62,7 @@ impl Lab {
             palette: None,
             gallery: Gallery::default(),
             window_title: String::new(),
+            told_of_home: false,
             discard: false,
             next: None,
         })
@@ -108,6 +111,9 @@ impl Lab {
         palette::ui(&ctx, &mut self.palette, &self.session, &mut asks);
         self.gallery.ui(&ctx, &mut asks);
         self.grant(asks, &ctx);
+        if let Some(text) = field::take_unreadable(&ctx) {
+            self.session.fail(format!("“{text}” is no number; the field keeps what it had"));
+        }
         self.closing(&ctx);
     }
 

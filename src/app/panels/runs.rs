@@ -3,7 +3,7 @@
 use egui::{ComboBox, DragValue, RichText, Ui};
 
 use super::button::small_button;
-use super::field::name;
+use super::field::{self, name};
 use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
 use crate::app::session::comparison::{MOST, Sides, letter};
@@ -33,7 +33,7 @@ pub fn bar(ui: &mut Ui, session: &Session, asks: &mut Asks) {
         if compare.sides == Sides::Iterations {
             ui.label("against");
             let field = DragValue::new(&mut compare.against).range(0..=latest).speed(0.1).prefix("k = ");
-            name(&ui.add(field), "Compared iteration");
+            name(&field::add(ui, field), "Compared iteration");
         }
     });
     asks.changed(&session.comparison, compare, Ask::Comparison);
@@ -98,7 +98,7 @@ fn rival(ui: &mut Ui, letter: char, rival: &mut Rival, own: &Propagation) -> boo
         if let Rival::Propagator(propagation) = rival {
             let factor = DragValue::new(&mut propagation.factor).range(0.0..=100.0);
             let factor = factor.speed(0.01).max_decimals(6).prefix("p = ");
-            name(&ui.add(factor).on_hover_text("The propagation factor"), &full("factor"));
+            name(&field::add(ui, factor).on_hover_text("The propagation factor"), &full("factor"));
         }
         small_button(ui, "✖", &format!("Remove propagator {letter}")).clicked()
     });

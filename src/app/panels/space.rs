@@ -2,7 +2,7 @@
 
 use egui::{DragValue, RichText, Ui};
 
-use super::field::name;
+use super::field::{self, name};
 use super::legend;
 use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
@@ -22,7 +22,7 @@ pub fn bar(ui: &mut Ui, session: &Session, asks: &mut Asks) {
         ui.label("from");
         let threshold = DragValue::new(&mut space.threshold).range(0.0..=1.0).speed(0.001).max_decimals(4);
         let threshold =
-            ui.add(threshold).on_hover_text("The share of the strongest light below which cells are left out");
+            field::add(ui, threshold).on_hover_text("The share of the strongest light below which cells are left out");
         name(&threshold, "Threshold");
         if let Some(cloud) = &session.sight.cloud {
             let strongest = legend::number(cloud.strongest);

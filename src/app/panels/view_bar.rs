@@ -2,7 +2,7 @@
 
 use egui::{ComboBox, DragValue, Ui};
 
-use super::field::name;
+use super::field::{self, name};
 use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
 use crate::app::session::command::Command;
@@ -57,7 +57,7 @@ fn cut(ui: &mut Ui, session: &Session, view: &mut View) {
         }
     }
     let slice = DragValue::new(&mut view.index).range(0..=progress.side.max(1) - 1).speed(0.15).prefix("= ");
-    name(&ui.add(slice).on_hover_text("Where to cut, in finest cells (Page Up, Page Down)"), "Slice index");
+    name(&field::add(ui, slice).on_hover_text("Where to cut, in finest cells (Page Up, Page Down)"), "Slice index");
 }
 
 fn combo(ui: &mut Ui, full_name: &str, width: f32, text: &str, content: impl FnOnce(&mut Ui)) {
@@ -74,7 +74,7 @@ fn scale(ui: &mut Ui, view: &mut View) {
     });
     if view.scaling == Scaling::Log {
         let decades = DragValue::new(&mut view.decades).range(DECADES).speed(0.05).suffix(" decades").max_decimals(1);
-        name(&ui.add(decades).on_hover_text("Powers of ten from a full glyph to none"), "Decades");
+        name(&field::add(ui, decades).on_hover_text("Powers of ten from a full glyph to none"), "Decades");
     }
     if view.scaling != Scaling::PerGlyph {
         combo(ui, "Brightest glyph", 112.0, view.fill.name(), |ui| {
@@ -84,7 +84,10 @@ fn scale(ui: &mut Ui, view: &mut View) {
         });
         if view.fill == Fill::Fixed {
             let full = DragValue::new(&mut view.full).range(FULL).speed(0.002).max_decimals(6);
-            name(&ui.add(full).on_hover_text("The intensity that fills a cell, per steradian"), "Full intensity");
+            name(
+                &field::add(ui, full).on_hover_text("The intensity that fills a cell, per steradian"),
+                "Full intensity",
+            );
         }
     }
     combo(ui, "Glyph colour", 112.0, paint_name(view.paint), |ui| {
