@@ -13,12 +13,13 @@ use super::draw::style;
 use super::files::dialog::Dialog;
 use super::files::home::Home;
 use super::files::recovery::Recovery;
+use super::panels::button::fold_button;
 use super::panels::gallery::Gallery;
 use super::panels::palette::{self, Palette};
 use super::panels::{field, keys, menu, notice, offer, question, scene, timeline, toolbar};
 use super::session::Session;
 use super::session::ask::{Asks, Next};
-use super::session::command;
+use super::session::command::{self, Command};
 use super::session::curves::Curves;
 use super::session::line::Course;
 use super::session::settings::Settings;
@@ -71,6 +72,7 @@ impl Lab {
     /// Everything that happens between frames: news, keys, files, play.
     pub fn logic(&mut self, ctx: &Context) {
         self.session.listen();
+        self.session.size = ctx.content_rect().size();
         // While a question stands, keys are for answering it.
         if self.next.is_none() && !self.dialog.asks() && self.palette.is_none() && !self.gallery.open {
             for command in command::pressed(ctx, |command| self.session.can(command)) {
@@ -101,9 +103,16 @@ impl Lab {
         Panel::top("actions").show(ui, |ui| toolbar::ui(ui, session, &mut asks));
         Panel::bottom("foot").show(ui, |ui| notice::foot(ui, session, &mut asks));
         Panel::bottom("timeline").show(ui, |ui| timeline::ui(ui, session, &mut asks));
-        Panel::left("scene").default_size(290.0).size_range(230.0..=480.0).show(ui, |ui| {
-            scene::ui(ui, session, &mut asks);
-        });
+        if session.settings.folds.scene(session.size) {
+            Panel::left("scene, folded").exact_size(26.0).resizable(false).show(ui, |ui| {
+                ui.add_space(4.0);
+                fold_button(ui, "⏵", Command::FoldScene, &mut asks);
+            });
+        } else {
+            Panel::left("scene").default_size(290.0).size_range(230.0..=480.0).show(ui, |ui| {
+                scene::ui(ui, session, &mut asks);
+            });
+        }
         self.workspaces.get(session.settings.workspace).ui(ui, session, &mut asks);
         let Settings { recent, plots, .. } = &mut self.session.settings;
         self.dialog.ui(ui, recent, &mut plots.format);

@@ -9,6 +9,7 @@ pub mod command;
 pub mod comparison;
 pub mod curves;
 pub mod document;
+pub mod folds;
 pub mod format;
 pub mod guide;
 pub mod line;
@@ -66,6 +67,8 @@ pub struct Session {
     pub comparison: Comparison,
     /// What is found out aside.
     pub asides: Asides,
+    /// The window's size, in points.
+    pub size: egui::Vec2,
     /// The injector that waits for a click to be placed.
     pub placing: Option<usize>,
     /// What to look for in the preset, until it is dismissed.
@@ -86,6 +89,7 @@ impl Session {
             sight: Sight::default(),
             comparison: Comparison::default(),
             asides: Asides::default(),
+            size: egui::vec2(1280.0, 720.0),
             placing: None,
             guide: None,
             notice: None,

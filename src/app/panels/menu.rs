@@ -77,6 +77,8 @@ fn view(ui: &mut Ui, session: &Session, asks: &mut Asks) {
         items(ui, session, group, asks);
         ui.separator();
     }
+    items(ui, session, &[Command::FoldScene, Command::FoldPlots], asks);
+    ui.separator();
     egui::widgets::global_theme_preference_buttons(ui);
 }
 

@@ -9,6 +9,7 @@ mod rows;
 use egui::Ui;
 
 use self::rows::lasting_menu;
+use super::button::fold_button;
 use super::format;
 use super::menu::items;
 use crate::app::draw::style::theme;
@@ -19,7 +20,8 @@ use crate::app::session::plots::Tab;
 
 /// The tabs, and what is chosen for the plot that is seen.
 pub fn bar(ui: &mut Ui, session: &Session, asks: &mut Asks) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
+        fold_button(ui, "⏷", Command::FoldPlots, asks);
         let tab = session.settings.plots.tab;
         for (command, of) in
             [(Command::Errors, Tab::Errors), (Command::Line, Tab::Line), (Command::RunTime, Tab::Pareto)]

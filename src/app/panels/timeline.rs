@@ -32,8 +32,10 @@ pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
         let progress = &session.run.progress;
         let (oldest, latest) = (progress.oldest, progress.iteration);
         let mut seen = session.seen();
-        let memory = 250.0;
-        ui.spacing_mut().slider_width = (ui.available_width() - memory - 190.0).max(60.0);
+        // A narrow window has room for the slider alone.
+        let room = ui.available_width();
+        let memory = if room > 620.0 { 250.0 } else { 0.0 };
+        ui.spacing_mut().slider_width = (room - memory - 190.0).max(60.0);
         let slider = Slider::new(&mut seen, oldest..=latest.max(oldest + 1)).prefix("k = ");
         let slider = ui.add_enabled(latest > 0, slider).on_hover_text("The iteration that is shown");
         name(&slider, "Iteration shown");
@@ -41,6 +43,9 @@ pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
             asks.ask(Ask::Scrub(seen.min(latest)));
         }
         button(ui, session, Command::Restart, asks);
+        if memory == 0.0 {
+            return;
+        }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let mut mib = session.settings.past_mib;
             let field = DragValue::new(&mut mib).range(PAST).speed(4.0).suffix(" MiB");

@@ -16,7 +16,7 @@ use crate::report::slice::Axis;
 /// The bar.
 pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     let mut view = session.settings.view.clone();
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         for (command, stage) in
             [(Command::Grids, Stage::Grids), (Command::Compare, Stage::Compare), (Command::Space, Stage::Space)]
         {

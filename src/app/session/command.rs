@@ -112,13 +112,17 @@ pub enum Command {
     Palette,
     /// The built-in presets with their pictures.
     Gallery,
+    /// Fold the scene's panel, or open it.
+    FoldScene,
+    /// Fold the plots, or open them.
+    FoldPlots,
     /// The list of all keys.
     Keys,
 }
 
 impl Command {
     /// All of them, in the order of the keyboard reference.
-    pub const ALL: [Command; 53] = [
+    pub const ALL: [Command; 55] = [
         Command::Open,
         Command::Save,
         Command::SaveAs,
@@ -171,6 +175,8 @@ impl Command {
         Command::CopyGrids,
         Command::Palette,
         Command::Gallery,
+        Command::FoldScene,
+        Command::FoldPlots,
         Command::Keys,
     ];
 
@@ -242,6 +248,8 @@ impl Command {
             Command::CopyGrids => ("Copy grids", "Put the slices that are shown on the clipboard, as a picture"),
             Command::Palette => ("Commands…", "Find a command, a preset or a setting by its name"),
             Command::Gallery => ("Gallery…", "The built-in presets, with pictures and what to look for"),
+            Command::FoldScene => ("Fold the scene", "Fold the panel of the scene to a strip, or open it"),
+            Command::FoldPlots => ("Fold the plots", "Fold the plots to a strip, or open them"),
             Command::Keys => ("Keyboard reference", "All keys"),
         }
     }
@@ -312,6 +320,8 @@ impl Command {
             Command::ExportCsv => with_control(Key::E),
             Command::Palette => with_control(Key::P),
             Command::Gallery => with_control(Key::G),
+            Command::FoldScene => plain(Key::F9),
+            Command::FoldPlots => plain(Key::F10),
             Command::Keys => plain(Key::F1),
             Command::ExportSvg | Command::ExportPng | Command::ExportGrids => None,
         }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use ron::ser::PrettyConfig;
 use serde::{Deserialize, Serialize};
 
+use super::folds::Folds;
 use super::plots::Plots;
 use super::unreadable::fault;
 use super::view::{View, Workspace};
@@ -31,6 +32,8 @@ const BEYOND: usize = 1 << 16;
 pub struct Settings {
     /// What fills the window between the bars.
     pub workspace: Workspace,
+    /// Which panels are folded away.
+    pub folds: Folds,
     /// How light is looked at.
     pub view: View,
     /// What the error plots show.
@@ -51,6 +54,7 @@ impl Default for Settings {
     fn default() -> Self {
         Settings {
             workspace: Workspace::default(),
+            folds: Folds::default(),
             view: View::default(),
             plots: Plots::default(),
             recent: Vec::new(),

@@ -99,6 +99,8 @@ impl Session {
                 self.measure();
             }
             Command::KeepRun => self.run.keep(),
+            Command::FoldScene => self.settings.folds.turn_scene(self.size),
+            Command::FoldPlots => self.settings.folds.turn_plots(self.size),
             _ => return false,
         }
         true

@@ -8,9 +8,11 @@ use crate::app::draw::grids::{Grids, Pointed};
 use crate::app::draw::scales::Scales;
 use crate::app::draw::space::{Marks, Space};
 use crate::app::draw::style::theme;
+use crate::app::panels::button::fold_button;
 use crate::app::panels::{guide, inspector, legend, notice, plots, runs, slices, space, view_bar};
 use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
+use crate::app::session::command::Command;
 use crate::app::session::plots::Tab;
 use crate::app::session::view::{Stage, View};
 use crate::report::colour::Theme;
@@ -43,19 +45,28 @@ impl Panels for Light {
                 inspector::ui(ui, session, self.pointed, &mut self.turn, &theme, asks);
             });
         }
-        // A taller window has more to give to both, but glyphs need the most. What a window was given while it was
-        // small is not what it is to have on a whole screen.
-        let room = (height * 0.36).max(200.0);
-        let name = if height > TALL { "errors, tall" } else { "errors" };
-        Panel::bottom(name).default_size(room).size_range(90.0..=700.0).resizable(true).show(ui, |ui| {
-            plots::bar(ui, session, asks);
-            if !beside {
-                Panel::right("inspector").exact_size(292.0).resizable(false).show(ui, |ui| {
-                    inspector::ui(ui, session, self.pointed, &mut self.turn, &theme, asks);
+        if session.settings.folds.plots(session.size) {
+            Panel::bottom("plots, folded").exact_size(24.0).resizable(false).show(ui, |ui| {
+                ui.horizontal(|ui| {
+                    fold_button(ui, "⏶", Command::FoldPlots, asks);
+                    ui.weak("Errors, line and run time");
                 });
-            }
-            plots::ui(ui, session);
-        });
+            });
+        } else {
+            // A taller window has more to give to both, but glyphs need the most. What a window was given while it
+            // was small is not what it is to have on a whole screen.
+            let room = (height * 0.36).max(200.0);
+            let name = if height > TALL { "errors, tall" } else { "errors" };
+            Panel::bottom(name).default_size(room).size_range(90.0..=700.0).resizable(true).show(ui, |ui| {
+                plots::bar(ui, session, asks);
+                if !beside {
+                    Panel::right("inspector").exact_size(292.0).resizable(false).show(ui, |ui| {
+                        inspector::ui(ui, session, self.pointed, &mut self.turn, &theme, asks);
+                    });
+                }
+                plots::ui(ui, session);
+            });
+        }
         Panel::top("view").show(ui, |ui| view_bar::ui(ui, session, asks));
         let ground = Frame::central_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
         CentralPanel::default().frame(ground).show(ui, |ui| self.stage(ui, session, asks));
