@@ -16,8 +16,8 @@ fn comparing() -> Window {
 #[test]
 fn propagators_are_compared_and_their_difference_is_shown() {
     let mut harness = comparing();
-    set_number(&mut harness, "Propagator B factor", 2.0);
     choose(&mut harness, "Propagator B scheme", "cascaded");
+    set_number(&mut harness, "Propagator B factor", 2.0);
     click(&mut harness, "Run again");
     let lab = lab(&harness);
     assert_eq!((lab.iteration(), lab.shown().len()), (5, 3));
@@ -92,4 +92,21 @@ fn differences_are_those_of_the_views_on_every_level_and_of_every_light() {
             }
         }
     }
+}
+
+#[test]
+fn the_others_are_held_against_the_run_with_the_star_also_a_reference() {
+    let mut harness = comparing();
+    // The first run beside the preset's own cannot grow without bound: its uniform volume.
+    assert_eq!(lab(&harness).curves()[1].name, "uniform volume of A");
+    click(&mut harness, "Add propagator or reference");
+    choose(&mut harness, "Propagator C scheme", "What truly arrives");
+    click(&mut harness, "Run again");
+    click(&mut harness, "Star C");
+    let [own, uniform, arrived, own_less, uniform_less] = std::array::from_fn(|pane| red(lab(&harness), pane, [4, 5]));
+    assert!((own_less - (own - arrived)).abs() < 1e-6 && (uniform_less - (uniform - arrived)).abs() < 1e-6);
+    click(&mut harness, "Remove propagator C");
+    click(&mut harness, "Run again");
+    let [own, uniform, difference] = std::array::from_fn(|pane| red(lab(&harness), pane, [4, 5]));
+    assert_eq!(difference, uniform - own);
 }

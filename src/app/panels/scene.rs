@@ -5,13 +5,12 @@ mod occluders;
 mod presets;
 mod propagation;
 
-use egui::{CollapsingHeader, RichText, ScrollArea, Ui};
+use egui::{CollapsingHeader, ScrollArea, Ui};
 
 use super::field::{self, choice};
 use super::{menu, runs};
 use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
-use crate::app::session::view::Stage;
 use crate::report::slice::Axis;
 use crate::scene::Preset;
 use crate::scene::preset::LARGEST;
@@ -37,31 +36,28 @@ pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     presets::ui(ui, session, asks);
     menu::rerun(ui, session, asks);
     ui.add_space(4.0);
-    if session.settings.view.stage == Stage::Compare {
-        ui.label(RichText::new("Compared propagators").strong());
-        runs::list(ui, session, asks);
-        ui.separator();
-    }
     let around = Surroundings {
         axis: session.settings.view.axis,
         placing: session.placing,
         exceeded: session.asides.exceeded(0),
     };
     let mut preset = session.document.preset.clone();
-    edit(ui, &mut preset, around, asks);
+    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+        let runs = format!("Runs ({})", session.comparison.others.len() + 1);
+        section(ui, &runs, |ui| runs::list(ui, session, asks));
+        edit(ui, &mut preset, around, asks);
+    });
     asks.changed(&session.document.preset, preset, |preset| Ask::Preset(Box::new(preset)));
 }
 
 fn edit(ui: &mut Ui, preset: &mut Preset, around: Surroundings, asks: &mut Asks) {
-    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
-        ui.spacing_mut().slider_width = 110.0;
-        section(ui, "Propagation", |ui| propagation::ui(ui, &mut preset.propagation, around.exceeded));
-        let injectors = format!("Injectors ({})", preset.injectors.len());
-        section(ui, &injectors, |ui| injectors::ui(ui, preset, around, asks));
-        let occluders = format!("Occluders ({})", preset.occluders.len());
-        section(ui, &occluders, |ui| occluders::ui(ui, preset, asks));
-        section(ui, "Volume", |ui| volume(ui, preset));
-    });
+    ui.spacing_mut().slider_width = 110.0;
+    section(ui, "Propagation", |ui| propagation::ui(ui, &mut preset.propagation, around.exceeded));
+    let injectors = format!("Injectors ({})", preset.injectors.len());
+    section(ui, &injectors, |ui| injectors::ui(ui, preset, around, asks));
+    let occluders = format!("Occluders ({})", preset.occluders.len());
+    section(ui, &occluders, |ui| occluders::ui(ui, preset, asks));
+    section(ui, "Volume", |ui| volume(ui, preset));
 }
 
 fn section(ui: &mut Ui, title: &str, content: impl FnOnce(&mut Ui)) {

@@ -234,7 +234,7 @@ impl Session {
     fn seek_factors(&mut self, ctx: &Context) -> Result<(), String> {
         let preset = &self.document.preset;
         let own = &preset.propagation;
-        let rivals = if self.settings.view.stage == Stage::Compare { self.comparison.others.as_slice() } else { &[] };
+        let rivals = &self.comparison.others;
         let of_rival = |rival: &Rival| match rival {
             Rival::Propagator(propagation) => propagation.clone(),
             Rival::Uniform | Rival::Ballistic => own.clone(),

@@ -111,7 +111,7 @@ impl Session {
         self.settings.view.stage = Stage::Compare;
         if self.comparison.others.is_empty() {
             let stale = self.is_stale();
-            self.comparison.add(&self.document.preset.propagation);
+            self.comparison.begin(&self.document.preset);
             // Edits that wait to be run are not run behind the researcher's back.
             if !stale {
                 self.run_again();
