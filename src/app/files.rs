@@ -2,5 +2,6 @@
 
 pub mod dialog;
 pub mod export;
+pub mod film;
 pub mod home;
 pub mod recovery;

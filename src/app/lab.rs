@@ -11,6 +11,7 @@ use egui::{Context, Panel, Ui, ViewportCommand};
 
 use super::draw::style;
 use super::files::dialog::Dialog;
+use super::files::film::Film;
 use super::files::home::Home;
 use super::files::recovery::Recovery;
 use super::panels::button::fold_button;
@@ -33,6 +34,7 @@ pub struct Lab {
     session: Session,
     workspaces: Workspaces,
     dialog: Dialog,
+    film: Film,
     /// Where settings are kept, if they are.
     home: Option<Home>,
     /// Where unsaved work is kept, if it is.
@@ -57,6 +59,7 @@ impl Lab {
             session: Session::new(ctx, preset, path, settings)?,
             workspaces: Workspaces::default(),
             dialog: Dialog::new(ctx),
+            film: Film::default(),
             home: None,
             recovery: None,
             keys_open: false,
@@ -87,6 +90,7 @@ impl Lab {
         self.workspaces.get(self.session.settings.workspace).logic(ctx, &self.session, &mut asks);
         self.grant(asks, ctx);
         let now = ctx.input(|input| input.time);
+        self.film.advance(&mut self.session, ctx);
         self.session.advance(ctx, now);
         self.keep_unsaved(ctx, now);
     }
@@ -203,7 +207,7 @@ impl Lab {
 
     /// Whether nothing is being computed or waited for.
     pub fn is_idle(&self) -> bool {
-        self.session.is_idle()
+        self.session.is_idle() && !self.film.is_underway()
     }
 
     /// Whether the results were made from another scene than the one as it is now.

@@ -176,7 +176,7 @@ fn plots_picture(session: &Session) -> Result<String, Box<dyn Error>> {
 }
 
 /// The slices as SVG.
-fn grids_picture(session: &Session) -> String {
+pub fn grids_picture(session: &Session) -> String {
     let Settings { view, plots, .. } = &session.settings;
     slices(&session.document.name(), view, &session.sight.shown, &session.titles(), &plots.format)
 }

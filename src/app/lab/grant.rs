@@ -65,9 +65,12 @@ impl Lab {
             Command::Save | Command::SaveAs => self.dialog.ask(Purpose::SaveAs, path),
             Command::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
             Command::WholeSlice => self.workspaces.light.whole(),
-            Command::ExportCsv | Command::ExportSvg | Command::ExportPng | Command::ExportGrids => {
-                self.dialog.ask(Purpose::Export(command), path);
-            }
+            Command::ExportCsv
+            | Command::ExportSvg
+            | Command::ExportPng
+            | Command::ExportGrids
+            | Command::ExportFilm
+            | Command::ExportFrames => self.dialog.ask(Purpose::Export(command), path),
             Command::CopyCurves | Command::CopyPlots | Command::CopyGrids => {
                 match export::copy(&self.session, command, ctx) {
                     Ok(done) => self.session.say(done.to_owned()),
@@ -86,6 +89,9 @@ impl Lab {
         match purpose {
             Purpose::Open => self.ask_to_lose(Next::Open(path.to_path_buf()), ctx),
             Purpose::SaveAs => self.session.save(Some(path.to_path_buf())),
+            Purpose::Export(command @ (Command::ExportFilm | Command::ExportFrames)) => {
+                self.film.begin(&mut self.session, command, path);
+            }
             Purpose::Export(command) => match export::save(&self.session, command, path) {
                 Ok(()) => self.session.say(format!("Saved {}", path.display())),
                 Err(error) => self.session.fail(error.to_string()),

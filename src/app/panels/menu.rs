@@ -8,6 +8,16 @@ use crate::app::session::ask::{Ask, Asks, Next};
 use crate::app::session::command::Command;
 use crate::scene::builtin;
 
+/// What can be taken home.
+pub const EXPORTS: [Command; 6] = [
+    Command::ExportCsv,
+    Command::ExportSvg,
+    Command::ExportPng,
+    Command::ExportGrids,
+    Command::ExportFilm,
+    Command::ExportFrames,
+];
+
 /// The menu bar.
 pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     MenuBar::new().ui(ui, |ui| {
@@ -45,7 +55,7 @@ fn file(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     ui.separator();
     items(ui, session, &[Command::Save, Command::SaveAs], asks);
     ui.separator();
-    items(ui, session, &[Command::ExportCsv, Command::ExportSvg, Command::ExportPng, Command::ExportGrids], asks);
+    items(ui, session, &EXPORTS, asks);
     ui.menu_button("Size and colours of exports", |ui| {
         let mut plots = session.settings.plots.clone();
         format::ui(ui, &mut plots.format);

@@ -11,7 +11,7 @@ use egui::Ui;
 use self::rows::lasting_menu;
 use super::button::fold_button;
 use super::format;
-use super::menu::items;
+use super::menu::{EXPORTS, items};
 use crate::app::draw::style::theme;
 use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
@@ -57,7 +57,7 @@ pub fn ui(ui: &mut Ui, session: &Session) {
 }
 
 fn export(ui: &mut Ui, session: &Session, asks: &mut Asks) {
-    items(ui, session, &[Command::ExportCsv, Command::ExportSvg, Command::ExportPng, Command::ExportGrids], asks);
+    items(ui, session, &EXPORTS, asks);
     ui.separator();
     items(ui, session, &[Command::CopyCurves, Command::CopyPlots, Command::CopyGrids], asks);
     ui.separator();

@@ -102,6 +102,10 @@ pub enum Command {
     ExportPng,
     /// Save what the grids show as SVG.
     ExportGrids,
+    /// Save all iterations as an animation.
+    ExportFilm,
+    /// Save all iterations as numbered pictures.
+    ExportFrames,
     /// Put what the plots show on the clipboard, as a table.
     CopyCurves,
     /// Put the plots on the clipboard, as a picture.
@@ -122,7 +126,7 @@ pub enum Command {
 
 impl Command {
     /// All of them, in the order of the keyboard reference.
-    pub const ALL: [Command; 55] = [
+    pub const ALL: [Command; 57] = [
         Command::Open,
         Command::Save,
         Command::SaveAs,
@@ -170,6 +174,8 @@ impl Command {
         Command::ExportSvg,
         Command::ExportPng,
         Command::ExportGrids,
+        Command::ExportFilm,
+        Command::ExportFrames,
         Command::CopyCurves,
         Command::CopyPlots,
         Command::CopyGrids,
@@ -243,6 +249,8 @@ impl Command {
             Command::ExportSvg => ("Plots as SVG…", "Save the plots as a vector picture"),
             Command::ExportPng => ("Plots as PNG…", "Save the plots as a picture"),
             Command::ExportGrids => ("Grids as SVG or PNG…", "Save the slices that are shown as a picture"),
+            Command::ExportFilm => ("Run as animation…", "Save the slices of all iterations as an animated PNG"),
+            Command::ExportFrames => ("Run as numbered pictures…", "Save the slices of each iteration as a PNG"),
             Command::CopyCurves => ("Copy curves", "Put the numbers that the plots show on the clipboard, as CSV"),
             Command::CopyPlots => ("Copy plots", "Put the plots on the clipboard, as a picture"),
             Command::CopyGrids => ("Copy grids", "Put the slices that are shown on the clipboard, as a picture"),
@@ -323,7 +331,11 @@ impl Command {
             Command::FoldScene => plain(Key::F9),
             Command::FoldPlots => plain(Key::F10),
             Command::Keys => plain(Key::F1),
-            Command::ExportSvg | Command::ExportPng | Command::ExportGrids => None,
+            Command::ExportSvg
+            | Command::ExportPng
+            | Command::ExportGrids
+            | Command::ExportFilm
+            | Command::ExportFrames => None,
         }
     }
 

@@ -40,7 +40,7 @@ impl Purpose {
 
     /// Whether a picture is made, which has a size and colours.
     pub fn is_picture(self) -> bool {
-        matches!(self, Purpose::Export(Command::ExportSvg | Command::ExportPng | Command::ExportGrids))
+        matches!(self, Purpose::Export(command) if command != Command::ExportCsv)
     }
 
     /// Whether the file is written.
@@ -55,7 +55,7 @@ impl Purpose {
             Purpose::Injector(_) => &["csv", "npy"],
             Purpose::Occluder(_) | Purpose::Export(Command::ExportCsv) => &["csv"],
             Purpose::Export(Command::ExportSvg) => &["svg"],
-            Purpose::Export(Command::ExportPng) => &["png"],
+            Purpose::Export(Command::ExportPng | Command::ExportFilm | Command::ExportFrames) => &["png"],
             Purpose::Export(_) => &["svg", "png"],
         }
     }
