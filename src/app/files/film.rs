@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use egui::Context;
+use resvg::tiny_skia::{Color, Pixmap, PixmapPaint, Transform};
 
 use super::export;
 use crate::app::session::Session;
@@ -110,8 +111,9 @@ fn write(reel: &Reel, each: f32, watch: &Watch) -> Result<String, String> {
         if !watch.go_on(i as f64 / reel.pictures.len() as f64) {
             return Err("the animation was called off".to_owned());
         }
-        pictures.push(raster::png_at(svg, each).map_err(|error| error.to_string())?);
+        pictures.push(raster::pixels(svg, each).map_err(|error| error.to_string())?);
     }
+    let pictures = alike(&pictures)?;
     let save = |path: &Path, bytes: &[u8]| write_whole(path, bytes).map_err(|error| error.to_string());
     if !reel.numbered {
         let joined = apng::join(&pictures, SHOWN_FOR).map_err(|error| error.to_string())?;
@@ -123,6 +125,22 @@ fn write(reel: &Reel, each: f32, watch: &Watch) -> Result<String, String> {
         save(&numbered(&reel.path, k), picture)?;
     }
     Ok(format!("Saved {} pictures as {} and so on", pictures.len(), numbered(&reel.path, first).display()))
+}
+
+/// The pictures as PNG files of one size: legends tell what there is to be explained, so their height may differ.
+fn alike(pictures: &[Pixmap]) -> Result<Vec<Vec<u8>>, String> {
+    let width = pictures.iter().map(Pixmap::width).max().unwrap_or(1);
+    let height = pictures.iter().map(Pixmap::height).max().unwrap_or(1);
+    let fitted = pictures.iter().map(|picture| {
+        let mut sheet = Pixmap::new(width, height).ok_or_else(|| "an animation has no size".to_owned())?;
+        let ground = picture.pixel(0, 0).map(|pixel| pixel.demultiply());
+        if let Some(ground) = ground {
+            sheet.fill(Color::from_rgba8(ground.red(), ground.green(), ground.blue(), ground.alpha()));
+        }
+        sheet.draw_pixmap(0, 0, picture.as_ref(), &PixmapPaint::default(), Transform::identity(), None);
+        sheet.encode_png().map_err(|error| error.to_string())
+    });
+    fitted.collect()
 }
 
 /// The file of iteration `k`: its number before the ending.
