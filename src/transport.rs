@@ -1,6 +1,8 @@
 //! Every way light travels, as siblings: the schemes of the [`lattice`] that send two bands of spherical
 //! harmonics from cell to cell, and [`ordinates`] that keep their direction.
 
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod lattice;
 pub mod ordinates;
 pub mod team;
