@@ -2,6 +2,7 @@
 //! asks; it changes nothing itself.
 
 pub mod button;
+pub mod canvas;
 pub mod field;
 pub mod format;
 pub mod gallery;

@@ -12,6 +12,7 @@ pub mod document;
 pub mod folds;
 pub mod format;
 pub mod guide;
+pub mod items;
 pub mod line;
 pub mod pareto;
 pub mod pin;
@@ -33,10 +34,11 @@ use egui::Context;
 use self::asides::Asides;
 use self::comparison::Comparison;
 use self::document::Document;
+use self::items::{Item, Tool};
 use self::run::Run;
 use self::settings::Settings;
 use self::sight::Sight;
-use super::worker::{News, Order, Start};
+use super::worker::{News, Order, Progress, Start};
 use crate::scene::{Preset, builtin};
 use crate::simulation::Action;
 use crate::transport::preset;
@@ -49,6 +51,9 @@ pub struct Notice {
     /// Whether something went wrong.
     pub error: bool,
 }
+
+/// The side of the largest volume that runs again after every edit where nothing else was chosen.
+const RERUN_UP_TO: usize = 64;
 
 /// The most messages that are remembered.
 const MOST_MESSAGES: usize = 100;
@@ -69,6 +74,10 @@ pub struct Session {
     pub asides: Asides,
     /// The window's size, in points.
     pub size: egui::Vec2,
+    /// What the pointer does in the views.
+    pub tool: Tool,
+    /// The object that is chosen.
+    pub selected: Option<Item>,
     /// The injector that waits for a click to be placed.
     pub placing: Option<usize>,
     /// What to look for in the preset, until it is dismissed.
@@ -90,6 +99,8 @@ impl Session {
             comparison: Comparison::default(),
             asides: Asides::default(),
             size: egui::vec2(1280.0, 720.0),
+            tool: Tool::default(),
+            selected: None,
             placing: None,
             guide: None,
             notice: None,
@@ -153,8 +164,8 @@ impl Session {
         if self.document.note(now) {
             ctx.request_repaint_after_secs(0.25);
         }
-        if self.settings.rerun && self.is_stale() && self.is_idle() && preset::check(&self.document.preset).is_ok() {
-            self.run_again();
+        if self.reruns() && self.is_stale() && self.is_idle() && preset::check(&self.document.preset).is_ok() {
+            self.run_again_by_itself();
         }
         self.choose_metric();
         self.seek(ctx);
@@ -164,6 +175,11 @@ impl Session {
             self.sight.asked = Some(look);
             self.sight.answered = false;
         }
+    }
+
+    /// Whether edits run again by themselves: as was chosen, else where it takes no time to speak of.
+    pub fn reruns(&self) -> bool {
+        self.settings.rerun.unwrap_or(self.document.preset.size <= RERUN_UP_TO)
     }
 
     /// Whether nothing is being computed or waited for.
@@ -209,6 +225,7 @@ impl Session {
         self.run.kept.clear();
         self.sight.pin = None;
         self.placing = None;
+        self.selected = None;
         self.guide = None;
         self.sight.centre = true;
         self.begin();
@@ -262,14 +279,25 @@ impl Session {
         self.load(Start::To { iteration: 0, merge: false });
     }
 
-    /// Hands the document to the worker.
+    /// Hands the document to the worker; the run that is left can be gone back to.
     pub(super) fn load(&mut self, start: Start) {
+        self.load_and(start, true);
+    }
+
+    /// The same, where an edit runs again by itself: a way of many small steps is no way that anybody goes back.
+    fn run_again_by_itself(&mut self) {
+        let Progress { iteration, merged, .. } = self.run.progress;
+        self.load_and(Start::To { iteration, merge: merged }, false);
+    }
+
+    /// Hands the document to the worker; `leave` keeps the run that is left.
+    fn load_and(&mut self, start: Start, leave: bool) {
         if let Err(fault) = preset::check(&self.document.preset) {
             self.fail(fault.to_string());
             return;
         }
         self.notice = None;
-        self.run.load(&self.document, self.comparison.others.clone(), start);
+        self.run.load(&self.document, self.comparison.others.clone(), start, leave);
         // What is to be seen outlasts scenes, but the worker answers for the scene it was asked with.
         self.sight.asked = None;
     }

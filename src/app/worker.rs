@@ -57,6 +57,8 @@ pub struct Load {
     pub start: Start,
     /// What the run is known by, in [`News::Returned`].
     pub tag: u64,
+    /// Whether the run that is left is kept, to be gone back to.
+    pub leave: bool,
 }
 
 /// What the window asks for.
@@ -213,7 +215,7 @@ mod tests {
     fn load(size: usize, start: Start) -> Order {
         let text = format!("(version: 1, size: {size}, injectors: [(kind: Single(cell: (0, 1, 2)))])");
         let preset = Preset::parse(&text, Path::new("test")).unwrap();
-        Order::Load(Box::new(Load { preset, folder: PathBuf::new(), others: Vec::new(), start, tag: 0 }))
+        Order::Load(Box::new(Load { preset, folder: PathBuf::new(), others: Vec::new(), start, tag: 0, leave: true }))
     }
 
     fn look(iteration: Option<usize>) -> Order {
@@ -299,7 +301,14 @@ mod tests {
         let text = "(version: 1, size: 4, injectors: [(kind: Single(cell: (0, 1, 2)))], propagation: (factor: 50))";
         let preset = Preset::parse(text, Path::new("test")).unwrap();
         let start = Start::To { iteration: 1000, merge: true };
-        worker.order(Order::Load(Box::new(Load { preset, folder: PathBuf::new(), others: Vec::new(), start, tag: 0 })));
+        worker.order(Order::Load(Box::new(Load {
+            preset,
+            folder: PathBuf::new(),
+            others: Vec::new(),
+            start,
+            tag: 0,
+            leave: true,
+        })));
         let (mut failure, mut reached) = (None, 0);
         while failure.is_none() {
             let news = wait(&worker, |news| Some(news.clone()));

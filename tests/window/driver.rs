@@ -12,7 +12,8 @@ pub type Window = Harness<'static, Option<Lab>>;
 
 /// A window on a preset, with its injected light on screen.
 pub fn window(preset: &str) -> Window {
-    start(preset, Settings::default(), None)
+    // Edits wait until they are run, so that what is stale can be looked at.
+    start(preset, Settings { rerun: Some(false), ..Settings::default() }, None)
 }
 
 /// The same, with settings and unsaved work kept in `folder`.

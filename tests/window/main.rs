@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod branches;
+mod canvas;
 mod compare;
 mod driver;
 mod drops;

@@ -93,6 +93,8 @@ pub struct Pointed {
 pub struct Grids {
     cameras: Vec<Camera>,
     drawn: Vec<Option<(Key, [Arc<Mesh>; 2])>>,
+    /// Where the views were drawn last.
+    placings: Vec<Placing>,
     /// The shapes of small glyphs, once there is something to draw.
     sprites: Option<TextureHandle>,
 }
@@ -101,6 +103,11 @@ impl Grids {
     /// Shows every slice whole again.
     pub fn whole(&mut self) {
         self.cameras.fill(Camera::default());
+    }
+
+    /// Where the views were drawn last, from the left.
+    pub fn placings(&self) -> &[Placing] {
+        &self.placings
     }
 
     /// Forgets what was drawn.
@@ -114,6 +121,7 @@ impl Grids {
         ui.allocate_rect(room, Sense::hover());
         self.cameras.resize(shown.len(), Camera::default());
         self.drawn.resize(shown.len(), None);
+        self.placings.clear();
         let gap = 10.0;
         let (columns, side) = arrange(room.size(), shown.len(), gap);
         let rows = shown.len().div_ceil(columns.max(1));
@@ -166,6 +174,7 @@ impl Grids {
                 meshes
             }
         };
+        self.placings.push(placing);
         let painter = ui.painter_at(rect.expand(1.0));
         painter.rect_filled(rect, 0.0, color(theme.ground));
         painter.extend(meshes.map(Shape::mesh));

@@ -94,9 +94,10 @@ fn view(ui: &mut Ui, session: &Session, asks: &mut Asks) {
 
 /// Whether edits run again by themselves.
 pub fn rerun(ui: &mut Ui, session: &Session, asks: &mut Asks) {
-    let mut rerun = session.settings.rerun;
-    ui.checkbox(&mut rerun, "Run again after every edit");
-    asks.changed(&session.settings.rerun, rerun, Ask::Rerun);
+    let mut rerun = session.reruns();
+    ui.checkbox(&mut rerun, "Run again after every edit")
+        .on_hover_text("By themselves, edits of volumes up to 64³ are run again");
+    asks.changed(&session.reruns(), rerun, Ask::Rerun);
 }
 
 /// Menu lines with their keys.

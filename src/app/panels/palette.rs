@@ -117,7 +117,7 @@ fn entries(ctx: &Context, session: &Session) -> Vec<Entry> {
     set("Cell edges on or off".to_owned(), &|v| v.cells = !v.cells);
     set("Centre and flux on or off".to_owned(), &|v| v.flux = !v.flux);
     set("Occluders on or off".to_owned(), &|v| v.occluders = !v.occluders);
-    add("Run again after every edit".to_owned(), "setting", Ask::Rerun(!session.settings.rerun));
+    add("Run again after every edit".to_owned(), "setting", Ask::Rerun(!session.reruns()));
     entries
 }
 

@@ -2,6 +2,8 @@
 
 use egui::{Align2, Ui};
 
+use super::canvas;
+
 use crate::app::draw::grids::{Grids, Manner, Mark, Pointed};
 use crate::app::draw::ink::color;
 use crate::app::draw::scales::Scales;
@@ -30,6 +32,11 @@ pub fn ui(
     let manner = Manner { view: &session.settings.view, theme, scales, paint, marks: &marks, between };
     let room = ui.available_rect_before_wrap();
     let pointed = grids.ui(ui, &session.sight.shown, &session.titles(), &manner);
+    for (shown, placing) in session.sight.shown.iter().zip(grids.placings()) {
+        ui.push_id(("canvas", placing.clip.left() as i32, placing.clip.top() as i32), |ui| {
+            canvas::ui(ui, session, placing, shown.slice.plane, theme, asks);
+        });
+    }
     if let Some(why) = session.why_dark() {
         let font = egui::FontId::proportional(15.0);
         let galley = ui.painter().layout(why.to_owned(), font, color(theme.ink), room.width() - 20.0);
@@ -44,7 +51,7 @@ pub fn ui(
         if pointed.double_clicked {
             session.pick(shown, pointed.at, asks);
         } else if pointed.clicked {
-            session.click(shown, pointed.at, asks);
+            canvas::click(session, pointed, asks);
         }
     }
     Some(pointed)

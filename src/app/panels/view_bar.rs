@@ -6,6 +6,7 @@ use super::field::{self, name};
 use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
 use crate::app::session::command::Command;
+use crate::app::session::items::Tool;
 use crate::app::session::settings::{DECADES, FULL};
 use crate::app::session::view::{Fill, Heat, Scaling, Stage, View, hue_name, paint_name};
 use crate::app::worker::look::Layer;
@@ -26,6 +27,8 @@ pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
             }
         }
         ui.separator();
+        tools(ui, session, asks);
+        ui.separator();
         cut(ui, session, &mut view);
         ui.separator();
         scale(ui, &mut view);
@@ -36,6 +39,22 @@ pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
         });
     });
     asks.changed(&session.settings.view, view, |view| Ask::View(Box::new(view)));
+}
+
+/// What the pointer does in the views.
+fn tools(ui: &mut Ui, session: &Session, asks: &mut Asks) {
+    for (command, tool, picture) in [
+        (Command::SelectTool, Tool::Select, "⬉"),
+        (Command::LightTool, Tool::Light, "☀"),
+        (Command::OccluderTool, Tool::Occluder, "⬛"),
+        (Command::ProbeTool, Tool::Probe, "⌖"),
+    ] {
+        let button = ui.selectable_label(session.tool == tool, picture).on_hover_text(command.tooltip(ui.ctx()));
+        name(&button, command.name());
+        if button.clicked() {
+            asks.command(command);
+        }
+    }
 }
 
 /// Which level, and where it is cut.

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use super::command::Command;
 use super::comparison::Comparison;
 use super::curves::Curves;
+use super::items::Item;
 use super::plots::Plots;
 use super::purpose::Purpose;
 use super::sight::SpaceLook;
@@ -40,6 +41,8 @@ pub enum Ask {
     Scrub(usize),
     /// Keep a cell in sight, or none.
     Pin(Option<Pin>),
+    /// Choose an object of the scene, or none.
+    Select(Option<Item>),
     /// Have this injector placed by the next click in a view, or none.
     Place(Option<usize>),
     /// Choose a file.

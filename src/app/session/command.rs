@@ -120,13 +120,21 @@ pub enum Command {
     FoldScene,
     /// Fold the plots, or open them.
     FoldPlots,
+    /// Choose and change objects in the views.
+    SelectTool,
+    /// Add lights in the views.
+    LightTool,
+    /// Add occluders in the views.
+    OccluderTool,
+    /// Lay the plotted line through cells of the views.
+    ProbeTool,
     /// The list of all keys.
     Keys,
 }
 
 impl Command {
     /// All of them, in the order of the keyboard reference.
-    pub const ALL: [Command; 57] = [
+    pub const ALL: [Command; 61] = [
         Command::Open,
         Command::Save,
         Command::SaveAs,
@@ -183,6 +191,10 @@ impl Command {
         Command::Gallery,
         Command::FoldScene,
         Command::FoldPlots,
+        Command::SelectTool,
+        Command::LightTool,
+        Command::OccluderTool,
+        Command::ProbeTool,
         Command::Keys,
     ];
 
@@ -258,6 +270,10 @@ impl Command {
             Command::Gallery => ("Gallery…", "The built-in presets, with pictures and what to look for"),
             Command::FoldScene => ("Fold the scene", "Fold the panel of the scene to a strip, or open it"),
             Command::FoldPlots => ("Fold the plots", "Fold the plots to a strip, or open them"),
+            Command::SelectTool => ("Select", "Click a cell to pin it, an object to change it by its handles"),
+            Command::LightTool => ("Add light", "Click a cell of a view to add an injector there"),
+            Command::OccluderTool => ("Add occluder", "Click a cell of a view to add an occluder there"),
+            Command::ProbeTool => ("Probe", "Click a cell of a view to plot the light along the line through it"),
             Command::Keys => ("Keyboard reference", "All keys"),
         }
     }
@@ -330,6 +346,10 @@ impl Command {
             Command::Gallery => with_control(Key::G),
             Command::FoldScene => plain(Key::F9),
             Command::FoldPlots => plain(Key::F10),
+            Command::SelectTool => plain(Key::V),
+            Command::LightTool => plain(Key::E),
+            Command::OccluderTool => plain(Key::X),
+            Command::ProbeTool => plain(Key::Q),
             Command::Keys => plain(Key::F1),
             Command::ExportSvg
             | Command::ExportPng

@@ -7,6 +7,7 @@ use egui::Context;
 use super::branches::{Branches, Record};
 use super::curves::Curves;
 use super::document::Document;
+use super::items::Item;
 use crate::app::worker::rival::Rival;
 use crate::app::worker::{Load, Order, Progress, Start, Worker};
 use crate::field::Levels;
@@ -61,8 +62,8 @@ impl Run {
         })
     }
 
-    /// Hands a document to the worker, with what is to run beside it.
-    pub fn load(&mut self, document: &Document, others: Vec<Rival>, start: Start) {
+    /// Hands a document to the worker, with what is to run beside it; `leave` keeps the run that is left.
+    pub fn load(&mut self, document: &Document, others: Vec<Rival>, start: Start, leave: bool) {
         let tag = self.branches.begin(self.record());
         let preset = &document.preset;
         self.ran = preset.clone();
@@ -77,7 +78,7 @@ impl Run {
         let levels = Levels::new(preset.size, preset.coarsest).map_or(1, |levels| levels.count());
         self.progress = Progress { side: preset.size, levels, ..Progress::default() };
         let (preset, folder, others) = (preset.clone(), document.folder(), self.others.clone());
-        let load = Load { preset, folder, others, start, tag };
+        let load = Load { preset, folder, others, start, tag, leave };
         self.send(Order::Load(Box::new(load)));
     }
 
@@ -113,6 +114,11 @@ impl Run {
     /// Whether the results are of another preset than this one.
     pub fn differs(&self, preset: &Preset) -> bool {
         essence(preset) != essence(&self.ran)
+    }
+
+    /// Whether an object is in the run as it is in the preset.
+    pub fn has_run(&self, item: Item, preset: &Preset) -> bool {
+        item.is_same(preset, &self.ran)
     }
 
     /// Whether iterations follow each other by themselves.

@@ -1,10 +1,12 @@
 //! What the window remembers from one time to the next.
 
+use std::fmt;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use ron::ser::PrettyConfig;
-use serde::{Deserialize, Serialize};
+use serde::de::Visitor;
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::folds::Folds;
 use super::plots::Plots;
@@ -46,8 +48,9 @@ pub struct Settings {
     pub pace: f64,
     /// Whether playing begins again at the end.
     pub looping: bool,
-    /// Whether edits run again by themselves.
-    pub rerun: bool,
+    /// Whether edits run again by themselves; where nothing was chosen, those of small volumes do.
+    #[serde(deserialize_with = "chosen")]
+    pub rerun: Option<bool>,
 }
 
 impl Default for Settings {
@@ -61,7 +64,7 @@ impl Default for Settings {
             past_mib: 512,
             pace: 4.0,
             looping: false,
-            rerun: false,
+            rerun: None,
         }
     }
 }
@@ -118,6 +121,35 @@ impl Settings {
     }
 }
 
+/// Reads a choice; older programs wrote it without the mark that one was made.
+fn chosen<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<bool>, D::Error> {
+    struct Choice;
+    impl<'de> Visitor<'de> for Choice {
+        type Value = Option<bool>;
+
+        fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+            f.write_str("true, false or None")
+        }
+
+        fn visit_bool<E>(self, chosen: bool) -> Result<Self::Value, E> {
+            Ok(Some(chosen))
+        }
+
+        fn visit_none<E>(self) -> Result<Self::Value, E> {
+            Ok(None)
+        }
+
+        fn visit_unit<E>(self) -> Result<Self::Value, E> {
+            Ok(None)
+        }
+
+        fn visit_some<D: Deserializer<'de>>(self, inner: D) -> Result<Self::Value, D::Error> {
+            bool::deserialize(inner).map(Some)
+        }
+    }
+    deserializer.deserialize_any(Choice)
+}
+
 /// The number in the range that is nearest; the `usual` one for what is not a number.
 fn nearest<T: PartialOrd + Copy>(number: T, range: RangeInclusive<T>, usual: T) -> T {
     let (low, high) = (*range.start(), *range.end());
@@ -136,13 +168,18 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read_back_and_what_is_left_out_is_usual() {
-        let mut settings = Settings { past_mib: 77, pace: 1.5, rerun: true, ..Settings::default() };
+        let mut settings = Settings { past_mib: 77, pace: 1.5, rerun: Some(true), ..Settings::default() };
         settings.remember(Path::new("a/\"b\" é.ron"));
         assert!(settings.recent[0].is_absolute());
         settings.view.layer = Layer::Level(3);
         settings.plots.level = Some(2);
         assert_eq!(Settings::parse(&settings.to_ron(), Path::new("s")), Ok(settings));
         assert_eq!(Settings::parse("()", Path::new("s")), Ok(Settings::default()));
+        for (text, rerun) in
+            [("(rerun: true)", Some(true)), ("(rerun: Some(false))", Some(false)), ("(rerun: None)", None)]
+        {
+            assert_eq!(Settings::parse(text, Path::new("s")).unwrap().rerun, rerun, "{text}");
+        }
         let newer = "(pace: 2.0, of_a_newer_program: (1, 2))";
         assert_eq!(Settings::parse(newer, Path::new("s")).unwrap().pace, 2.0);
     }

@@ -4,6 +4,7 @@ use egui::Context;
 
 use super::Session;
 use super::command::Command;
+use super::items::Tool;
 use super::plots::Tab;
 use super::view::{Stage, Workspace};
 use crate::app::worker::look::Layer;
@@ -99,6 +100,10 @@ impl Session {
                 self.measure();
             }
             Command::KeepRun => self.run.keep(),
+            Command::SelectTool => self.tool = Tool::Select,
+            Command::LightTool => self.tool = Tool::Light,
+            Command::OccluderTool => self.tool = Tool::Occluder,
+            Command::ProbeTool => self.tool = Tool::Probe,
             Command::FoldScene => self.settings.folds.turn_scene(self.size),
             Command::FoldPlots => self.settings.folds.turn_plots(self.size),
             _ => return false,

@@ -301,8 +301,12 @@ impl Desk {
     fn load(&mut self, load: &Load) {
         let left = self.take_present();
         self.tag = load.tag;
-        self.branches.leave(left, self.budget);
-        self.tell(News::Branches(self.branches.tags()));
+        if load.leave {
+            self.branches.leave(left, self.budget);
+            self.tell(News::Branches(self.branches.tags()));
+        } else {
+            drop(left);
+        }
         self.peaks = Peaks::default();
         self.run = None;
         match self.tracks_of(load) {
