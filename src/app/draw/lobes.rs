@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use egui::{Color32, Mesh, Pos2, Rect, pos2, vec2};
+use egui::{Color32, Mesh, Pos2, Rect, vec2};
 
 use super::clip;
 use super::ink::{Ink, color};
@@ -150,6 +150,8 @@ impl Pen<'_> {
 
 #[cfg(test)]
 mod tests {
+    use egui::pos2;
+
     use super::*;
 
     #[test]

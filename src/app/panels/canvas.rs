@@ -108,7 +108,7 @@ fn handles(
 /// A handle to drag; where the pointer drags it to.
 fn handle(ui: &mut Ui, painter: &Painter, at: Pos2, name: &str, ink: Color32) -> Option<Pos2> {
     let rect = Rect::from_center_size(at, Vec2::splat(HANDLE));
-    let response = ui.interact(rect, ui.id().with(("handle", name)), Sense::drag());
+    let response = ui.interact(rect, ui.scope_id().with(("handle", name)), Sense::drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
     let fill = if response.hovered() || response.dragged() { ink } else { Color32::TRANSPARENT };
     painter.rect(rect.shrink(2.0), 1.0, fill, Stroke::new(1.4, ink), StrokeKind::Middle);

@@ -18,7 +18,7 @@ pub fn add(ui: &mut Ui, field: DragValue<'_>) -> Response {
     let tried: RefCell<Option<Option<String>>> = RefCell::default();
     let parse = |text: &str| {
         let number = read(text);
-        tried.replace(Some(number.is_none().then(|| text.trim().to_owned())));
+        *tried.borrow_mut() = Some(number.is_none().then(|| text.trim().to_owned()));
         number
     };
     let response = ui.add(field.custom_parser(parse));

@@ -12,7 +12,7 @@ use crate::app::draw::placing::{Placing, Style};
 use crate::app::draw::scales::Scales;
 use crate::app::draw::sprites;
 use crate::app::draw::style::theme;
-use crate::app::session::asides::Aside;
+use crate::app::session::asides::{Aside, Watch};
 use crate::app::session::ask::{Ask, Asks, Next};
 use crate::app::session::guide;
 use crate::app::session::view::{Fill, View};
@@ -93,7 +93,7 @@ impl Gallery {
             self.pictures.insert(next, None);
             return;
         }
-        let begun = self.making.want(&next, ctx, |_| move |_: &_| picture(next).map(Arc::new));
+        let begun = self.making.want(&next, ctx, |_| move |_: &Watch| picture(next).map(Arc::new));
         if begun.is_err() {
             self.pictures.insert(next, None);
         }
@@ -119,9 +119,9 @@ impl Gallery {
         let theme = theme(ui.ctx());
         let painter = ui.painter_at(frame);
         painter.rect_filled(frame, 2.0, color(theme.ground));
-        let Some(Some(shown)) = self.pictures.get(name) else { return };
+        let Some(Some(shown)) = self.pictures.get(name).cloned() else { return };
         let view = View { cells: false, flux: false, fill: Fill::Frame, ..View::default() };
-        let scales = Scales::of(&view, std::slice::from_ref(shown));
+        let scales = Scales::of(&view, std::slice::from_ref(shown.as_ref()));
         let sprites = self.sprites.get_or_insert_with(|| sprites::texture(ui.ctx())).id();
         let style =
             Style { view: &view, paint: scales.paint(&view), scale: scales.scale(shown), theme: &theme, sprites };

@@ -43,7 +43,7 @@ pub fn ui(
         let rect = Align2::CENTER_CENTER.anchor_size(room.center(), galley.size());
         ui.painter().rect_filled(rect.expand(8.0), 4.0, color(theme.ground).gamma_multiply(0.9));
         ui.painter().galley(rect.min, galley, color(theme.ink));
-        ui.interact(rect, ui.id().with("dark"), egui::Sense::hover())
+        ui.interact(rect, ui.scope_id().with("dark"), egui::Sense::hover())
             .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, why));
     }
     let pointed = pointed?;
