@@ -2,7 +2,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, RecvError, Sender, TryRecvError};
+use std::sync::mpsc::{Receiver, RecvError, RecvTimeoutError, Sender, TryRecvError};
 use std::time::{Duration, Instant};
 
 use crate::app::worker::branches::{Branch, Branches};
@@ -23,6 +23,9 @@ const BETWEEN_PICTURES: Duration = Duration::from_millis(30);
 /// Volumes up to this side are measured by every metric, so that curves are there when they are asked for; larger
 /// ones only by the metric that is seen.
 const MEASURED_BY_ALL: usize = 64;
+
+/// How long no order comes before a large volume is measured.
+const QUIET: Duration = Duration::from_millis(350);
 
 /// A run in progress.
 #[derive(Clone, Copy, Debug)]
@@ -97,6 +100,7 @@ impl Desk {
                 self.run = None;
                 self.tell(News::Failed("the computation broke down; edit the scene or run it again".to_owned()));
             }
+            (self.wake)();
         }
     }
 
@@ -105,6 +109,13 @@ impl Desk {
         let mut orders = Vec::new();
         if self.run.is_none() && self.behind() == 0 {
             orders.push(self.inbox.recv()?);
+        } else if self.run.is_none() && self.is_large() {
+            // Whoever steps through a large volume is not to wait for its errors.
+            match self.inbox.recv_timeout(QUIET) {
+                Ok(order) => orders.push(order),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return Err(RecvError),
+            }
         }
         loop {
             match self.inbox.try_recv() {
@@ -210,9 +221,14 @@ impl Desk {
         self.measured.forget(Metric::Ballistic);
     }
 
+    /// Whether measuring takes longer than the eye waits.
+    fn is_large(&self) -> bool {
+        self.tracks.first().is_some_and(|track| track.now().sizes().finest() > MEASURED_BY_ALL)
+    }
+
     /// What is measured, what is seen first.
     fn metrics(&self) -> Vec<Metric> {
-        let small = self.tracks.first().is_some_and(|track| track.now().sizes().finest() <= MEASURED_BY_ALL);
+        let small = !self.is_large();
         let others = Metric::ALL.into_iter().filter(|metric| small && Some(*metric) != self.metric);
         let possible = |metric: &Metric| *metric != Metric::Ballistic || self.truth.is_some();
         self.metric.into_iter().chain(others).filter(possible).collect()
@@ -415,10 +431,10 @@ impl Desk {
         self.tell(News::Pinned(pin, samples));
     }
 
+    /// Tells something; the window is woken at the end of the turn, so that it draws once for all that it heard.
     fn tell(&self, news: News) {
         // Without a window there is nobody to tell; the next wait ends the work.
         let _ = self.outbox.send((self.generation, news));
-        (self.wake)();
     }
 }
 

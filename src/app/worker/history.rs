@@ -4,11 +4,18 @@
 //! every fourth; those in between are computed again from the one before them when they are asked for,
 //! which gives the same bits. A state that something other than a propagation has changed cannot be
 //! computed again, so it is kept as long as any older one is.
+//!
+//! A copy of a large state takes longer than an iteration. Of those only every fourth is kept to begin with: what lies
+//! between is at most three iterations away.
 
 use std::sync::Arc;
 
 use crate::sh::Real;
 use crate::simulation::{Action, Simulation};
+
+/// The size from which states are large, in bytes, and how many iterations apart those are kept.
+const LARGE: usize = 48 << 20;
+const APART: usize = 4;
 
 /// A state that is kept; branches of a run share it.
 #[derive(Clone, Debug)]
@@ -61,6 +68,9 @@ impl History {
             // Not even one has room: a copy of it would only be in the way.
             self.kept.clear();
             return;
+        }
+        if bytes > LARGE {
+            self.stride = self.stride.max(APART);
         }
         if fixed || state.iteration().is_multiple_of(self.stride) {
             self.kept.push(Kept { bytes, state: Arc::new(state.clone()), fixed });
