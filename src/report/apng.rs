@@ -10,6 +10,9 @@ use thiserror::Error;
 /// What every PNG file begins with.
 const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 
+/// A chunk: its kind and its data.
+type Chunk<'a> = ([u8; 4], &'a [u8]);
+
 /// Why pictures could not be joined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum ApngError {
@@ -34,8 +37,7 @@ pub fn join(pictures: &[Vec<u8>], milliseconds: u16) -> Result<Vec<u8>, ApngErro
     let mut sequence = 0u32;
     for (i, picture) in pictures.iter().enumerate() {
         let chunks = chunks(picture).ok_or(ApngError::NoPng(i))?;
-        let of = |kind: &[u8; 4]| chunks.iter().filter(move |(found, _)| found == kind).map(|(_, data)| *data);
-        let own = of(b"IHDR").next().filter(|head| head.len() == 13).ok_or(ApngError::NoPng(i))?;
+        let own = of(&chunks, *b"IHDR").next().filter(|head| head.len() == 13).ok_or(ApngError::NoPng(i))?;
         match &head {
             None => {
                 write(&mut joined, b"IHDR", &[own]);
@@ -55,7 +57,7 @@ pub fn join(pictures: &[Vec<u8>], milliseconds: u16) -> Result<Vec<u8>, ApngErro
         let [origin, delay] = [[0u8; 8].as_slice(), &[milliseconds.to_be_bytes(), 1000u16.to_be_bytes()].concat()];
         // Shown as it is, in place of what was there.
         write(&mut joined, b"fcTL", &[&next(), &own[..8], origin, delay, &[0, 0]]);
-        for data in of(b"IDAT") {
+        for data in of(&chunks, *b"IDAT") {
             match i {
                 0 => write(&mut joined, b"IDAT", &[data]),
                 _ => write(&mut joined, b"fdAT", &[&next(), data]),
@@ -68,7 +70,7 @@ pub fn join(pictures: &[Vec<u8>], milliseconds: u16) -> Result<Vec<u8>, ApngErro
 }
 
 /// A PNG file's chunks, each with its kind; `None` where it is no whole file.
-fn chunks(mut png: &[u8]) -> Option<Vec<([u8; 4], &[u8])>> {
+fn chunks(mut png: &[u8]) -> Option<Vec<Chunk<'_>>> {
     png = png.strip_prefix(&SIGNATURE)?;
     let mut chunks = Vec::new();
     while !png.is_empty() {
@@ -78,6 +80,11 @@ fn chunks(mut png: &[u8]) -> Option<Vec<([u8; 4], &[u8])>> {
         png = png.get(12 + length..)?;
     }
     chunks.last().is_some_and(|(kind, _)| kind == b"IEND").then_some(chunks)
+}
+
+/// The data of all chunks of a kind.
+fn of<'a>(chunks: &'a [Chunk<'a>], kind: [u8; 4]) -> impl Iterator<Item = &'a [u8]> {
+    chunks.iter().filter(move |(found, _)| *found == kind).map(|(_, data)| *data)
 }
 
 /// Writes a chunk of some parts.

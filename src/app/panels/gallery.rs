@@ -124,10 +124,10 @@ impl Gallery {
         let scales = Scales::of(&view, std::slice::from_ref(shown.as_ref()));
         let sprites = self.sprites.get_or_insert_with(|| sprites::texture(ui.ctx())).id();
         let style =
-            Style { view: &view, paint: scales.paint(&view), scale: scales.scale(shown), theme: &theme, sprites };
+            Style { view: &view, paint: scales.paint(&view), scale: scales.scale(&shown), theme: &theme, sprites };
         let cell = frame.width() / shown.slice.side.max(1) as f32;
         let placing = Placing { clip: frame, origin: frame.left_bottom(), cell, density: ui.pixels_per_point() };
-        painter.extend(meshes(shown, &style, &placing).map(Shape::mesh));
+        painter.extend(meshes(&shown, &style, &placing).map(Shape::mesh));
     }
 }
 
