@@ -352,6 +352,7 @@ mod tests {
             others,
             start: Start::Dark,
             tag: 0,
+            leave: true,
         })));
         let line = wait(&worker, |news| match news {
             News::Failed(line) => Some(line.clone()),
