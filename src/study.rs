@@ -5,6 +5,8 @@ pub mod benchmark;
 pub mod compare;
 pub mod converged;
 pub mod error;
+pub mod expectation;
+pub mod light;
 pub mod pareto;
 pub mod profile;
 pub mod random;

@@ -5,10 +5,12 @@ use egui_plot::{Line, LineStyle, Plot, PlotPoints, VLine};
 
 use super::lab::Lab;
 use super::legend::number;
-use super::look::{Against, CellError, Of, Pane, Pin, PinSample, State};
+use super::look::{Of, Pane, Pin, PinSample, State};
 use super::mesh::color;
 use crate::report::colour::Theme;
 use crate::sh::Sh;
+use crate::study::error::CellError;
+use crate::study::expectation::Expectation;
 
 /// The panel.
 pub fn ui(lab: &mut Lab, ui: &mut Ui, theme: &Theme) {
@@ -40,7 +42,7 @@ pub fn ui(lab: &mut Lab, ui: &mut Ui, theme: &Theme) {
         }
     });
     let Some(sample) = lab.pinned.iter().rev().find(|sample| sample.iteration <= seen) else { return };
-    numbers(ui, sample.accumulated, None, Against::Children);
+    numbers(ui, sample.accumulated, None, Expectation::Thesis);
     course(ui, &lab.pinned, seen, theme);
 }
 
@@ -53,7 +55,7 @@ fn place(Pin { level, cell: [x, y, z] }: Pin) -> String {
 }
 
 /// The coefficients of each colour, the flux and the error.
-fn numbers(ui: &mut Ui, light: [Sh<f32>; 3], error: Option<CellError>, against: Against) {
+fn numbers(ui: &mut Ui, light: [Sh<f32>; 3], error: Option<CellError>, against: Expectation) {
     let [red, green, blue] = light;
     let colours: Vec<(&str, Sh<f32>)> = match red == green && green == blue {
         true => vec![("white", red)],
@@ -78,7 +80,7 @@ fn numbers(ui: &mut Ui, light: [Sh<f32>; 3], error: Option<CellError>, against: 
     ui.label(format!("flux towards {towards}"));
     if let Some(error) = error {
         let relative = error.relative.map_or("undefined".to_owned(), |relative| format!("{:.2} %", relative * 100.0));
-        ui.label(format!("error {} ({relative}) against {}", number(error.absolute), against.name()));
+        ui.label(format!("error {} ({relative}) against {}", number(error.absolute as f32), against.against()));
     }
 }
 

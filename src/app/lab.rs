@@ -28,7 +28,7 @@ use super::worker::{Load, Order, Progress, Start, Worker};
 use crate::field::Levels;
 use crate::scene::{Preset, Scene};
 use crate::simulation::Change;
-use crate::study::error::Metric;
+use crate::study::expectation::Expectation;
 
 /// A line at the window's foot.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,7 +71,7 @@ pub struct Lab {
     pub(super) cloud: Option<Arc<Cloud>>,
     pub(super) asked: Option<Look>,
     /// The metric that the worker was told to measure by first.
-    pub(super) measured_by: Option<Metric>,
+    pub(super) measured_by: Option<Expectation>,
     /// Whether the views show what was asked for, after the last action.
     pub(super) answered: bool,
     /// The iteration that is seen; `None` follows the latest.

@@ -10,11 +10,11 @@ use super::command::{self, Command};
 use super::errors::Tab;
 use super::files::Purpose;
 use super::lab::Lab;
-use super::look::{Against, CloudAsk, Light, Look, Of, Pane, State};
+use super::look::{CloudAsk, Light, Look, Of, Pane, State};
 use super::view::Stage;
 use super::worker::{News, Order};
 use crate::simulation::Action;
-use crate::study::error::Metric;
+use crate::study::expectation::Expectation;
 
 impl Lab {
     /// Everything that happens between frames: news, keys, play.
@@ -140,12 +140,8 @@ impl Lab {
     }
 
     /// What errors of cells are against: the same as in the plots.
-    pub(super) fn against(&self) -> Against {
-        match self.settings.plots.metric() {
-            Metric::Thesis => Against::Children,
-            Metric::Corrected | Metric::Merged => Against::Uniform,
-            Metric::Ballistic => Against::Truth,
-        }
+    pub(super) fn against(&self) -> Expectation {
+        self.settings.plots.metric()
     }
 
     /// What is to be seen.

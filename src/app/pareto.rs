@@ -4,58 +4,38 @@ use std::sync::Arc;
 
 use egui::{Context, Ui};
 use egui_plot::{HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoints, Points};
-use serde::{Deserialize, Serialize};
 
 use super::axis::{decades, from_logarithm};
 use super::command::Command;
 use super::controls::name;
 use super::errand::Errand;
-use super::format::Format;
 use super::lab::Lab;
 use super::mesh::color;
 use super::plots::{legend_row, small_row};
 use super::toolbar;
 use crate::report::colour::Theme;
-use crate::report::plot::{Curve, Dash, Figure, Plot as PaperPlot};
+use crate::report::pareto_figure::{point, propagator_name, schemes};
 use crate::scene::Scene;
+use crate::scene::propagation::Policy;
 use crate::study::ballistic::Ballistic;
-use crate::study::pareto::{Row, front, measure, measure_against};
-use crate::transport;
-use crate::transport::ordinates;
+use crate::study::expectation::Expectation;
+use crate::study::pareto::{Row, Treatment, front, measure, measure_against};
 
 /// Rounds over all ways; medians are shown.
 const ROUNDS: usize = 3;
-/// The ways to treat levels, and the marks that tell them apart.
-const LEVELS: [(&str, MarkerShape, &str); 4] = [
-    ("uniform", MarkerShape::Circle, "⏺ finest level alone"),
-    ("same", MarkerShape::Square, "⏹ one factor for all levels"),
-    ("consistent", MarkerShape::Up, "⏶ consistent levels"),
-    ("converged", MarkerShape::Cross, "✖ fixed point, solved for"),
+/// The treatments of the levels, the marks that tell them apart, and what the legend says.
+const TREATMENTS: [(Treatment, MarkerShape, &str); 4] = [
+    (Treatment::Uniform, MarkerShape::Circle, "⏺ finest level alone"),
+    (Treatment::Octree(Policy::Same), MarkerShape::Square, "⏹ one factor for all levels"),
+    (Treatment::Octree(Policy::Consistent), MarkerShape::Up, "⏶ consistent levels"),
+    (Treatment::Converged, MarkerShape::Cross, "✖ fixed point, solved for"),
 ];
 
-/// What run time is set against.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ParetoChoice {
-    /// What truly arrives, after the scalar that fits best: what a scheme costs.
-    #[default]
-    Ballistic,
-    /// The fixed point of the scheme's own uniform volume: what the octree and stopping early cost.
-    Uniform,
-}
-
-impl ParetoChoice {
-    fn reference(self) -> &'static str {
-        match self {
-            ParetoChoice::Ballistic => "ballistic",
-            ParetoChoice::Uniform => "uniform",
-        }
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            ParetoChoice::Ballistic => "Against what truly arrives",
-            ParetoChoice::Uniform => "Against the uniform fixed point",
-        }
+/// What the choice of an expectation says.
+fn choice_name(expectation: Expectation) -> &'static str {
+    match expectation {
+        Expectation::Ballistic => "Against what truly arrives",
+        _ => "Against the uniform fixed point",
     }
 }
 
@@ -92,47 +72,10 @@ fn start(
     })
 }
 
-/// Whether a row is of the propagator called `name`, with whatever directions if that is ordinates.
-fn is_of(row: &Row, name: &str) -> bool {
-    row.scheme == name || (name == ordinates::NAME && row.scheme.starts_with(name))
-}
-
-/// The rows against one reference that have a place in the plot: light that diverged has none.
-pub fn against(rows: &[Row], choice: ParetoChoice) -> Vec<&Row> {
+/// The rows against one expectation that have a place in the plot: light that diverged has none.
+pub fn against(rows: &[Row], expectation: Expectation) -> Vec<&Row> {
     let shown = |row: &&Row| point(row).iter().all(|part| part.is_finite() && *part > 0.0);
-    rows.iter().filter(|row| row.reference == choice.reference()).filter(shown).collect()
-}
-
-/// Where a row stands: its time in milliseconds, and its error.
-fn point(row: &Row) -> [f64; 2] {
-    [row.seconds * 1e3, row.l1.fitted]
-}
-
-/// For a paper: a plot for each way to treat levels, each with what nothing beats among all.
-pub fn figure(title: &str, rows: &[&Row], choice: ParetoChoice, format: &Format) -> Figure {
-    let logged = |row: &Row| [point(row)[0].log10(), point(row)[1]];
-    let schemes = transport::names();
-    let plots = LEVELS.map(|(levels, ..)| {
-        let mut curves: Vec<Curve> = Vec::new();
-        for (color, scheme) in schemes.iter().enumerate() {
-            let ours = rows.iter().filter(|row| row.levels == levels && is_of(row, scheme));
-            let points = ours.map(|row| logged(row)).collect();
-            curves.push(Curve { name: (*scheme).to_owned(), points, color, dash: Dash::Points });
-        }
-        let points = front(rows).into_iter().map(logged).collect();
-        let name = "what nothing beats".to_owned();
-        curves.push(Curve { name, points, color: schemes.len(), dash: Dash::Dotted });
-        PaperPlot {
-            title: format!("Levels: {levels}; against {}", choice.reference()),
-            x_label: "log₁₀ of the time in ms".to_owned(),
-            y_label: "L1 error, best fit".to_owned(),
-            log_y: true,
-            curves,
-            marks: Vec::new(),
-        }
-    });
-    let size = format.figure(plots.len());
-    Figure { title: title.to_owned(), plots: plots.to_vec(), theme: format.theme(), size }
+    rows.iter().filter(|row| row.expectation == expectation).filter(shown).collect()
 }
 
 impl Lab {
@@ -164,10 +107,10 @@ impl Lab {
 
     pub(super) fn pareto_controls(&mut self, ui: &mut Ui) {
         let choice = &mut self.settings.plots.pareto;
-        let combo = egui::ComboBox::from_id_salt("pareto reference").selected_text(choice.name()).width(188.0);
+        let combo = egui::ComboBox::from_id_salt("pareto reference").selected_text(choice_name(*choice)).width(188.0);
         let combo = combo.show_ui(ui, |ui| {
-            for one in [ParetoChoice::Ballistic, ParetoChoice::Uniform] {
-                ui.selectable_value(choice, one, one.name());
+            for one in [Expectation::Ballistic, Expectation::Merged] {
+                ui.selectable_value(choice, one, choice_name(one));
             }
         });
         name(&combo.response.on_hover_text("What errors are against"), "Error against");
@@ -198,11 +141,12 @@ impl Lab {
             ui.weak(text);
             return;
         }
-        let schemes = transport::names().into_iter().enumerate();
-        legend_row(ui, schemes.map(|(i, scheme)| (color(theme.curve(i)), scheme.to_owned())));
+        let schemes = schemes(&rows);
+        let named = schemes.iter().enumerate();
+        legend_row(ui, named.map(|(i, scheme)| (color(theme.curve(i)), (*scheme).to_owned())));
         small_row(ui, |ui| {
-            for (_, _, text) in LEVELS {
-                ui.small(text);
+            for (_, _, sign) in TREATMENTS {
+                ui.small(sign);
                 ui.add_space(8.0);
             }
             ui.small("— what nothing beats in both");
@@ -228,11 +172,12 @@ impl Lab {
             let beaten: Vec<[f64; 2]> = front(&rows).into_iter().map(logged).collect();
             let line = Line::new("what nothing beats", PlotPoints::new(beaten)).color(color(theme.ink)).width(1.2);
             plot.line(line.style(LineStyle::Solid).allow_hover(false));
-            for (i, scheme) in transport::names().into_iter().enumerate() {
-                for (levels, shape, _) in LEVELS {
-                    let ours = rows.iter().filter(|row| is_of(row, scheme) && row.levels == levels);
+            for (i, scheme) in schemes.iter().enumerate() {
+                for (treatment, shape, _) in TREATMENTS {
+                    let is_ours = |row: &&&Row| row.propagator.scheme == *scheme && row.treatment == treatment;
+                    let ours = rows.iter().filter(is_ours);
                     let points: Vec<[f64; 2]> = ours.map(|row| logged(row)).collect();
-                    let points = Points::new(scheme, PlotPoints::new(points)).shape(shape);
+                    let points = Points::new(*scheme, PlotPoints::new(points)).shape(shape);
                     plot.points(points.radius(3.5).color(color(theme.curve(i))));
                 }
             }
@@ -244,5 +189,6 @@ impl Lab {
 /// What stands beside a point.
 fn describe(row: &Row) -> String {
     let [milliseconds, error] = point(row);
-    format!("{}, k = {}, {}\n{milliseconds:.3} ms: L1 {error:.3e}", row.scheme, row.iterations, row.levels)
+    let name = propagator_name(&row.propagator);
+    format!("{name}, k = {}, {}\n{milliseconds:.3} ms: L1 {error:.3e}", row.iterations, row.treatment.name())
 }

@@ -8,7 +8,7 @@ use super::errors::{Curves, Run, Tab};
 use super::lab::Lab;
 use super::style::theme;
 use super::{controls, inspector, toolbar};
-use crate::study::error::Metric;
+use crate::study::expectation::Expectation;
 
 /// A menu that stays open while things in it are chosen.
 pub fn lasting_menu(ui: &mut Ui, text: &str, content: impl FnOnce(&mut Ui)) -> egui::Response {
@@ -80,7 +80,7 @@ impl Lab {
         }
         self.truth_progress(ui);
         // The present iteration alone is measured before the eye is there.
-        if self.progress.until.is_none() && self.progress.behind > Metric::ALL.len() {
+        if self.progress.until.is_none() && self.progress.behind > Expectation::ALL.len() {
             ui.spinner();
             ui.label(format!("{} measurements to come", self.progress.behind));
         }

@@ -3,36 +3,17 @@
 use super::history::{self, History};
 use crate::scene::Scene;
 use crate::simulation::{Action, Change, Simulation, SimulationError};
-use crate::study::ballistic::{self, Ballistic};
-use crate::study::error::{self, ErrorRow, Metric};
-use crate::study::reference;
+use crate::study::error::ErrorRow;
+use crate::study::expectation::{Expectation, References};
 
-/// The errors of one state by one metric.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Measured {
-    /// For all levels and for each, where the metric tells them apart.
-    pub rows: Vec<ErrorRow>,
-    /// The L1 ratio against what truly arrives after the scalar that fits best, where that is known.
-    pub best_fit: Option<f64>,
-}
-
-impl Measured {
-    /// Measures a state; what is dark, or lacks the `truth` that the ballistic metric needs, has no errors.
-    pub fn of(state: &Simulation<f32>, metric: Metric, truth: Option<&Ballistic>) -> Self {
-        if (0..state.sizes().count()).all(|i| state.index().level(i).count() == 0) {
-            return Measured::default();
-        }
-        let rows = match metric {
-            Metric::Thesis => error::thesis(state),
-            Metric::Corrected => error::corrected(state, &reference::uniform(state)),
-            Metric::Merged => vec![error::merged(state, &reference::uniform(state))],
-            // A state that is there has had its memory: nothing is left to be refused.
-            Metric::Ballistic => truth.and_then(|truth| ballistic::error(state, truth).ok()).into_iter().collect(),
-        };
-        let fit = truth.filter(|_| metric == Metric::Ballistic);
-        let best_fit = fit.and_then(|truth| Some(ballistic::best_fit(state, truth).ok()?.fitted));
-        Measured { rows, best_fit }
+/// The errors of a state against an expectation; what is dark, or lacks the references, has none.
+pub fn errors(state: &Simulation<f32>, expectation: Expectation, references: &References) -> Vec<ErrorRow> {
+    if (0..state.sizes().count()).all(|i| state.index().level(i).count() == 0) {
+        return Vec::new();
     }
+    // A state that is there has had its memory: nothing is left to be refused.
+    let held = expectation.of(state, references).ok().flatten();
+    held.map(|held| held.rows()).unwrap_or_default()
 }
 
 /// A simulation that remembers.

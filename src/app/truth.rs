@@ -13,7 +13,7 @@ use super::view::Stage;
 use super::worker::Order;
 use crate::scene::Scene;
 use crate::study::ballistic::Ballistic;
-use crate::study::error::Metric;
+use crate::study::expectation::Expectation;
 
 /// The ballistic reference of the scene that runs, as far as it is known.
 #[derive(Debug, Default)]
@@ -82,7 +82,7 @@ impl Lab {
     /// Whether something on screen is measured against what truly arrives.
     pub(super) fn wants_truth(&self) -> bool {
         let seen = self.settings.view.stage == Stage::Compare && self.others.contains(&Rival::Ballistic);
-        seen || self.settings.plots.metric() == Metric::Ballistic
+        seen || self.settings.plots.metric() == Expectation::Ballistic
     }
 
     /// Has what truly arrives computed where it is wanted, and hands it to the worker.

@@ -15,12 +15,12 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use super::compare::Rival;
 use super::look::{Cloud, Look, Pin, PinSample, Shown};
-use super::track::Measured;
 use crate::scene::{Preset, Scene};
 use crate::simulation::options::Work;
 use crate::simulation::{Action, Change};
 use crate::study::ballistic::Ballistic;
-use crate::study::error::Metric;
+use crate::study::error::ErrorRow;
+use crate::study::expectation::Expectation;
 
 /// What a newly loaded scene is to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,7 +67,7 @@ pub enum Order {
     /// Use this much memory, in bytes, for the past.
     Budget(usize),
     /// Measure by this metric before others, the past as well.
-    Measure(Option<Metric>),
+    Measure(Option<Expectation>),
     /// What truly arrives, to measure against; or no longer.
     Truth(Option<Arc<Ballistic>>),
     /// Break down, so that tests see what becomes of the window.
@@ -126,9 +126,9 @@ pub enum News {
         /// The iteration.
         iteration: usize,
         /// By what.
-        metric: Metric,
+        metric: Expectation,
         /// Its errors for each propagator.
-        errors: Vec<Measured>,
+        errors: Vec<Vec<ErrorRow>>,
         /// How many are still to come.
         behind: usize,
     },
@@ -191,7 +191,7 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::app::look::{Against, Layer, Light, Of, Pane, State};
+    use crate::app::look::{Layer, Light, Of, Pane, State};
     use crate::report::slice::Plane;
 
     fn load(size: usize, start: Start) -> Order {
@@ -207,7 +207,7 @@ mod tests {
             panes: vec![pane],
             layer: Layer::Merged,
             plane: Plane::default(),
-            against: Against::Children,
+            against: Expectation::Thesis,
             cloud: None,
         })
     }

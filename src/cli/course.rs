@@ -8,32 +8,35 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::CliError;
 use crate::scene::Scene;
 use crate::simulation::Simulation;
-use crate::study::ballistic::{self, Ballistic};
-use crate::study::error::{self, ErrorRow};
-use crate::study::reference;
+use crate::study::error::ErrorRow;
+use crate::study::expectation::{Expectation, Held, References};
 
 /// What a run was found to do.
 pub struct Course {
-    /// Every metric after every iteration.
+    /// Every error after every iteration.
     pub rows: Vec<ErrorRow>,
     /// Seconds that all actions took, measuring aside.
     pub seconds: f64,
 }
 
-/// Computes what truly arrives in a scene, with a bar on a terminal.
-pub fn truth(scene: &Scene) -> Result<Ballistic, CliError> {
-    let bar = bar(1000, "{bar:40} {percent} % of the straight lines, {eta} left");
-    let truth = Ballistic::new(scene, &|done| {
-        bar.set_position((done * 1000.0) as u64);
-        true
-    })?;
-    bar.finish_and_clear();
-    truth.ok_or_else(|| CliError::Failed("the straight lines were given up".to_owned()))
+/// Computes what expectations need of a scene, with a bar on a terminal.
+pub fn references(scene: &Scene, expectations: &[Expectation]) -> Result<References, CliError> {
+    let mut references = References::default();
+    for expectation in expectations {
+        let bar = bar(1000, "{bar:40} {percent} % of what truly arrives, {eta} left");
+        let progress = |done: f64| {
+            bar.set_position((done * 1000.0) as u64);
+            true
+        };
+        expectation.prepare(scene, &mut references, &progress)?;
+        bar.finish_and_clear();
+    }
+    Ok(references)
 }
 
-/// Runs the scene, printing a line for every iteration. Errors are those of the octree against itself and
-/// against the uniform volume, and against `truth` where it is given.
-pub fn run(simulation: &mut Simulation<f32>, truth: Option<&Ballistic>) -> Result<Course, CliError> {
+/// Runs the scene, printing a line for every iteration. The light is held against every expectation that the
+/// references are ready for.
+pub fn run(simulation: &mut Simulation<f32>, references: &References) -> Result<Course, CliError> {
     let iterations = simulation.scene().propagation.iterations;
     let bar = bar(iterations as u64, "{bar:40} iteration {pos} of {len}, {eta} left");
     println!("{}", LINE_HEAD);
@@ -41,7 +44,7 @@ pub fn run(simulation: &mut Simulation<f32>, truth: Option<&Ballistic>) -> Resul
     let started = Instant::now();
     simulation.run(|now| {
         let began = Instant::now();
-        match measure(now, truth) {
+        match measure(now, references) {
             Ok(errors) => {
                 bar.suspend(|| println!("{}", line(now, &errors[0])));
                 rows.extend(errors);
@@ -57,14 +60,11 @@ pub fn run(simulation: &mut Simulation<f32>, truth: Option<&Ballistic>) -> Resul
     failed.map_or(Ok(Course { rows, seconds }), Err)
 }
 
-/// Every metric of the present iteration, the thesis's over all levels first.
-fn measure(now: &Simulation<f32>, truth: Option<&Ballistic>) -> Result<Vec<ErrorRow>, CliError> {
-    let uniform = reference::uniform(now);
-    let mut rows = error::thesis(now);
-    rows.extend(error::corrected(now, &uniform));
-    rows.push(error::merged(now, &uniform));
-    if let Some(truth) = truth {
-        rows.push(ballistic::error(now, truth)?);
+/// The errors of the present iteration, the thesis's over all levels first.
+fn measure(now: &Simulation<f32>, references: &References) -> Result<Vec<ErrorRow>, CliError> {
+    let mut rows = Vec::new();
+    for expectation in Expectation::ALL {
+        rows.extend(expectation.of(now, references)?.iter().flat_map(Held::rows));
     }
     Ok(rows)
 }

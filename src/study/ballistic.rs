@@ -24,14 +24,13 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::error::{self, ErrorRow, Metric};
 use super::reference;
 use crate::field::{Cell, Grid, Layout};
 use crate::scene::Solid;
 use crate::scene::occluder::OcclusionMode;
 use crate::scene::{Occlusion, Scene, Source};
-use crate::sh::{Real, Sh};
-use crate::simulation::{Simulation, SimulationError};
+use crate::sh::Sh;
+use crate::simulation::SimulationError;
 use crate::transport::transparency::Transparency;
 pub use fit::{BestFit, l1};
 use solid_angle::Extent;
@@ -161,34 +160,4 @@ fn arrived_at(light: Sh<f64>, offset: [isize; 3], extents: &[Extent], n: usize) 
     let vector = mirrored.vector * offset.signum();
     let flux = solid_angle::flux(light, offset, &Extent { vector, ..mirrored });
     if flux <= 0.0 { Sh::ZERO } else { Sh::basis(offset.normalize()) * flux }
-}
-
-/// The ballistic metric on the merged light that has moved, S_A − S_0, with the injected light taken off in
-/// the cells that hold any.
-pub fn error<T: Real>(simulation: &Simulation<T>, truth: &Ballistic) -> Result<ErrorRow, SimulationError> {
-    let moved = moved(simulation)?;
-    let scales = error::channel_scales(simulation);
-    let tally = error::tally(&scales, truth.size, |channel, cell| {
-        (moved[channel].get(cell), truth.light[channel].get(cell).cast())
-    });
-    Ok(tally.row(simulation.iteration(), Metric::Ballistic, None))
-}
-
-/// The L1 ratio of the merged light that has moved, as it is and after the scalar that fits best.
-pub fn best_fit(simulation: &Simulation<f32>, truth: &Ballistic) -> Result<BestFit, SimulationError> {
-    Ok(l1(&error::channel_scales(simulation), &moved(simulation)?, &truth.light))
-}
-
-/// S_A − S_0 of each channel: the merged light without the light that was injected.
-pub fn moved<T: Real>(simulation: &Simulation<T>) -> Result<Vec<Grid<T>>, SimulationError> {
-    let scene = simulation.scene();
-    let mut merged = error::sampled(simulation);
-    // Whether S_0 is in the sum is the snapshots' choice; injecting anew tells.
-    let injected = reference::injected::<T>(scene)?;
-    for (merged, light) in merged.iter_mut().zip(injected.lights()) {
-        for (cell, value) in light.accumulated.level(0).iter().filter(|(_, value)| !value.is_zero()) {
-            merged.set(cell, merged.get(cell) - value);
-        }
-    }
-    Ok(merged)
 }

@@ -6,7 +6,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use lpv_lab::scene::Scene;
 use lpv_lab::simulation::Simulation;
 use lpv_lab::study::ballistic::{self, Ballistic};
-use lpv_lab::study::error::Metric;
+use lpv_lab::study::expectation::Expectation;
 use lpv_lab::transport::lattice::schemes;
 
 use crate::driver::*;
@@ -18,7 +18,7 @@ fn errors_against_what_truly_arrives_are_computed_once_and_for_the_past_too() {
     choose(&mut harness, "Error metric", "ballistic");
     let measured = |harness: &Window| {
         let run = lab(harness).curves()[0].clone();
-        (run.curve(Metric::Ballistic, None, |row| row.l1_ratio), run.fits)
+        (run.curve(Expectation::Ballistic, None, |row| row.l1_ratio), run.fits)
     };
     let (ratios, fits) = measured(&harness);
     let iterations: Vec<f64> = ratios.iter().map(|[k, _]| *k).collect();

@@ -3,11 +3,12 @@
 use egui::{Color32, Ui, vec2};
 use egui_plot::{Corner, HoverPosition, Legend, Line, LineStyle, MarkerShape, Plot, PlotPoints, Points, VLine};
 
-use super::{Group, Plots, Run};
+use super::{Plots, Run};
 use crate::app::axis::{decades, from_logarithm, iterations_apart};
 use crate::app::controls::name;
 use crate::app::mesh::color;
 use crate::report::colour::Theme;
+use crate::report::error_figure::Measure;
 
 /// Curves of at most this many points show each of them.
 const DOTTED_UP_TO: usize = 40;
@@ -27,7 +28,7 @@ impl Plots {
     /// The plots side by side in the room there is.
     pub fn ui(&self, ui: &mut Ui, curves: &Curves) {
         let room = ui.available_size();
-        let count = self.groups().count();
+        let count = self.measures().count();
         if count == 0 {
             ui.weak("Nothing is chosen to be drawn: see Curves.");
         }
@@ -35,20 +36,20 @@ impl Plots {
         let each = vec2(((room.x + gap) / count.max(1) as f32 - gap).max(80.0), room.y.max(60.0));
         ui.horizontal_top(|ui| {
             ui.spacing_mut().item_spacing.x = gap;
-            self.groups().for_each(|group| self.plot(ui, each, group, curves));
+            self.measures().for_each(|measure| self.plot(ui, each, measure, curves));
         });
     }
 
-    fn plot(&self, ui: &mut Ui, size: egui::Vec2, group: &Group, curves: &Curves) {
+    fn plot(&self, ui: &mut Ui, size: egui::Vec2, measure: Measure, curves: &Curves) {
         let Curves { runs, theme, now } = *curves;
         let log = self.log;
         let (metric, level) = (self.metric(), self.level());
         let iterations = runs.iter().flat_map(|run| &run.rows).map(|row| row.iteration).max().unwrap_or(0);
-        let mut plot = Plot::new(group.title)
+        let mut plot = Plot::new(measure.title())
             .width(size.x)
             .height(size.y)
             .x_axis_label("Iteration k")
-            .y_axis_label(group.label)
+            .y_axis_label(measure.label())
             .legend(Legend::default().position(Corner::RightBottom).background_alpha(0.6).follow_insertion_order(true))
             .include_x(0.0)
             .include_x(iterations.max(4) as f64)
@@ -68,8 +69,8 @@ impl Plots {
         let response = plot.show(ui, |plot| {
             for run in runs {
                 let many = runs.len() > 1;
-                for quantity in group.quantities.iter().filter(|quantity| self.draws(quantity)) {
-                    let points = drawn((quantity.curve)(run, metric, level), log);
+                for quantity in measure.quantities().into_iter().filter(|quantity| self.draws(quantity)) {
+                    let points = drawn(run.curve(metric, level, quantity.value), log);
                     if points.is_empty() {
                         continue;
                     }
@@ -85,7 +86,7 @@ impl Plots {
             let mark = VLine::new("", now as f64).color(color(theme.muted)).width(1.0);
             plot.vline(mark.style(LineStyle::dotted_dense()).allow_hover(false));
         });
-        name(&response.response, group.title);
+        name(&response.response, measure.title());
     }
 }
 
