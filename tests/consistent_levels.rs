@@ -7,8 +7,8 @@ use std::path::Path;
 use lpv_lab::scene::Scene;
 use lpv_lab::scene::propagation::Policy;
 use lpv_lab::simulation::Simulation;
-use lpv_lab::study::error::{self, ErrorRow};
-use lpv_lab::study::reference;
+use lpv_lab::study::error::ErrorRow;
+use lpv_lab::study::expectation::{Expectation, References};
 
 fn preset(name: &str) -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("presets").join(name);
@@ -27,7 +27,7 @@ fn run(mut scene: Scene, levels: Policy, factor: f64, iterations: usize) -> Simu
 
 /// The L1 ratio of level `level` by the corrected metric.
 fn corrected(simulation: &Simulation<f32>, level: usize) -> f64 {
-    let rows = error::corrected(simulation, &reference::uniform(simulation));
+    let rows = Expectation::Corrected.rows(simulation, &References::default()).unwrap();
     let of_level = |row: &&ErrorRow| row.level == Some(level);
     rows.iter().find(of_level).unwrap().l1_ratio
 }
@@ -64,7 +64,7 @@ fn merged_light_has_at_most_half_the_error_in_the_setting_of_the_thesis() {
     for name in ["two-walls.ron", "mixed.ron", "one-lobe.ron"] {
         let [same, consistent] = Policy::ALL.map(|p| {
             let simulation = run(preset(name), p, 3.0, 4);
-            error::merged(&simulation, &reference::uniform(&simulation)).l1_ratio
+            Expectation::Merged.rows(&simulation, &References::default()).unwrap()[0].l1_ratio
         });
         assert!(consistent <= 0.5 * same, "{name}: {consistent} against {same}");
     }

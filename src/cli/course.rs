@@ -9,7 +9,7 @@ use super::CliError;
 use crate::scene::Scene;
 use crate::simulation::Simulation;
 use crate::study::error::ErrorRow;
-use crate::study::expectation::{Expectation, Held, References};
+use crate::study::expectation::{Expectation, References};
 
 /// What a run was found to do.
 pub struct Course {
@@ -64,7 +64,7 @@ pub fn run(simulation: &mut Simulation<f32>, references: &References) -> Result<
 fn measure(now: &Simulation<f32>, references: &References) -> Result<Vec<ErrorRow>, CliError> {
     let mut rows = Vec::new();
     for expectation in Expectation::ALL {
-        rows.extend(expectation.of(now, references)?.iter().flat_map(Held::rows));
+        rows.extend(expectation.rows(now, references)?);
     }
     Ok(rows)
 }

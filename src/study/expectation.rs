@@ -27,6 +27,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::ballistic::Ballistic;
+use super::error::ErrorRow;
 use crate::scene::Scene;
 use crate::sh::Real;
 use crate::simulation::{Simulation, SimulationError};
@@ -138,6 +139,18 @@ impl Expectation {
         references: &'a References,
     ) -> Result<Option<Held<'a, T>>, SimulationError> {
         Held::new(self, state, references)
+    }
+
+    /// The errors of a state, as [`Held::rows`] has them; none while the references lack what that needs.
+    ///
+    /// # Errors
+    /// Where memory is short.
+    pub fn rows<T: Real>(
+        self,
+        state: &Simulation<T>,
+        references: &References,
+    ) -> Result<Vec<ErrorRow>, SimulationError> {
+        Ok(self.of(state, references)?.map(|held| held.rows()).unwrap_or_default())
     }
 }
 
