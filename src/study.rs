@@ -1,14 +1,14 @@
 //! Questions put to simulations.
 
-pub mod ballistic;
 pub mod benchmark;
 pub mod compare;
-pub mod converged;
 pub mod error;
 pub mod expectation;
+pub mod fit;
 pub mod light;
 pub mod pareto;
 pub mod profile;
+pub mod race;
 pub mod random;
 pub mod reference;
 pub mod stability;

@@ -8,10 +8,10 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use super::output::Folder;
 use super::{CliError, SceneArgs, course};
 use crate::report::table::{Table, Value};
-use crate::scene::Scene;
-use crate::simulation::known_scheme;
+use crate::scene::Problem;
 use crate::study::compare::{self, Finding, PATIENCE};
 use crate::study::expectation::Expectation;
+use crate::transport::known_scheme;
 use crate::transport::lattice::schemes;
 use crate::transport::ordinates;
 
@@ -73,22 +73,22 @@ pub fn run(args: &CompareArgs) -> Result<(), CliError> {
             factor: args.factor,
             ..SceneArgs::default()
         };
-        let (document, scene) = scene_args.load()?;
+        let (document, problem) = scene_args.load()?;
         let gap = if i == 0 { "" } else { "\n" };
         println!(
             "{gap}{}: {}³, p = {}, k = {}, against {}",
             if document.title.is_empty() { scene_args.stem() } else { document.title },
-            scene.size,
-            scene.propagation.factor,
-            scene.propagation.iterations,
+            problem.size,
+            problem.propagation.factor,
+            problem.propagation.iterations,
             expectation.reference()
         );
-        let references = course::references(&scene, &[expectation])?;
+        let references = course::references(&problem, &[expectation]);
         let mut table = Table::new(TEXT_COLUMNS);
         for name in &names {
-            let Some(finding) = compare::run(&scene, name, expectation, &references)? else { continue };
+            let Some(finding) = compare::run(&problem, name, expectation, &references)? else { continue };
             table.push(text_row(&finding));
-            csv.push(csv_row(&scene_args.stem(), &scene, expectation, &finding));
+            csv.push(csv_row(&scene_args.stem(), &problem, expectation, &finding));
         }
         print!("{}", table.to_text());
     }
@@ -159,16 +159,16 @@ const CSV_COLUMNS: [&str; 23] = [
     "ms_per_iteration",
 ];
 
-fn csv_row(preset: &str, scene: &Scene, expectation: Expectation, finding: &Finding) -> [Value; 23] {
+fn csv_row(preset: &str, problem: &Problem, expectation: Expectation, finding: &Finding) -> [Value; 23] {
     let [x, y, z] = finding.centroid;
     let error = finding.error;
     let empty = || Value::Text(String::new());
     [
         preset.into(),
         finding.scheme.as_str().into(),
-        scene.size.into(),
-        scene.propagation.factor.into(),
-        scene.propagation.iterations.into(),
+        problem.size.into(),
+        problem.propagation.factor.into(),
+        problem.propagation.iterations.into(),
         expectation.reference().into(),
         error.absolute_mean.into(),
         error.absolute_max.into(),

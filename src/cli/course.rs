@@ -5,8 +5,7 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::CliError;
-use crate::scene::Scene;
+use crate::scene::Problem;
 use crate::simulation::Simulation;
 use crate::study::error::ErrorRow;
 use crate::study::expectation::{Expectation, References};
@@ -20,7 +19,7 @@ pub struct Course {
 }
 
 /// Computes what expectations need of a scene, with a bar on a terminal.
-pub fn references(scene: &Scene, expectations: &[Expectation]) -> Result<References, CliError> {
+pub fn references(problem: &Problem, expectations: &[Expectation]) -> References {
     let mut references = References::default();
     for expectation in expectations {
         let bar = bar(1000, "{bar:40} {percent} % of what truly arrives, {eta} left");
@@ -28,45 +27,37 @@ pub fn references(scene: &Scene, expectations: &[Expectation]) -> Result<Referen
             bar.set_position((done * 1000.0) as u64);
             true
         };
-        expectation.prepare(scene, &mut references, &progress)?;
+        expectation.prepare(problem, &mut references, &progress);
         bar.finish_and_clear();
     }
-    Ok(references)
+    references
 }
 
 /// Runs the scene, printing a line for every iteration. The light is held against every expectation that the
 /// references are ready for.
-pub fn run(simulation: &mut Simulation<f32>, references: &References) -> Result<Course, CliError> {
-    let iterations = simulation.scene().propagation.iterations;
+pub fn run(simulation: &mut Simulation<f32>, references: &References) -> Course {
+    let iterations = simulation.problem().propagation.iterations;
     let bar = bar(iterations as u64, "{bar:40} iteration {pos} of {len}, {eta} left");
     println!("{}", LINE_HEAD);
-    let (mut rows, mut aside, mut failed) = (Vec::new(), 0.0, None);
+    let (mut rows, mut aside) = (Vec::new(), 0.0);
     let started = Instant::now();
     simulation.run(|now| {
         let began = Instant::now();
-        match measure(now, references) {
-            Ok(errors) => {
-                bar.suspend(|| println!("{}", line(now, &errors[0])));
-                rows.extend(errors);
-            }
-            Err(error) => failed = Some(error),
-        }
+        let errors = measure(now, references);
+        bar.suspend(|| println!("{}", line(now, &errors[0])));
+        rows.extend(errors);
         bar.set_position(now.iteration() as u64);
         aside += began.elapsed().as_secs_f64();
-        failed.is_none()
+        true
     });
     bar.finish_and_clear();
     let seconds = started.elapsed().as_secs_f64() - aside;
-    failed.map_or(Ok(Course { rows, seconds }), Err)
+    Course { rows, seconds }
 }
 
 /// The errors of the present iteration, the thesis's over all levels first.
-fn measure(now: &Simulation<f32>, references: &References) -> Result<Vec<ErrorRow>, CliError> {
-    let mut rows = Vec::new();
-    for expectation in Expectation::ALL {
-        rows.extend(expectation.rows(now, references)?);
-    }
-    Ok(rows)
+fn measure(now: &Simulation<f32>, references: &References) -> Vec<ErrorRow> {
+    Expectation::ALL.into_iter().flat_map(|expectation| expectation.rows(now, references)).collect()
 }
 
 const LINE_HEAD: &str = "iteration   energy left      abs mean       abs max      rel mean       rel max  undefined";

@@ -127,7 +127,7 @@ pub fn figure(title: &str, rows: &[&Row], theme: Theme, size: impl FnOnce(usize)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::ballistic::BestFit;
+    use crate::study::fit::BestFit;
 
     fn row(scheme: &'static str, treatment: Treatment, seconds: f64, fitted: f64) -> Row {
         Row {

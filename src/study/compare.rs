@@ -9,8 +9,8 @@ mod probe;
 
 use std::time::{Duration, Instant};
 
-use crate::scene::Scene;
-use crate::simulation::{Action, Simulation, SimulationError};
+use crate::scene::Problem;
+use crate::simulation::{Action, Refusal, Simulation};
 use crate::study::error::ErrorRow;
 use crate::study::expectation::{Expectation, References};
 use crate::study::light::{self, Brightness};
@@ -55,17 +55,17 @@ pub struct Finding {
 /// Runs `scene` under the scheme called `scheme`, its other settings unchanged, and holds its merged light against an
 /// expectation; `None` if that is of levels, or is not ready.
 pub fn run(
-    scene: &Scene,
+    problem: &Problem,
     scheme: &str,
     expectation: Expectation,
     references: &References,
-) -> Result<Option<Finding>, SimulationError> {
-    let mut scene = scene.clone();
-    scene.propagation.scheme = scheme.to_owned();
-    let places = Places::of(&scene);
-    let anisotropy = probe::anisotropy(&scene.propagation)?;
-    let iterations = scene.propagation.iterations;
-    let mut simulation = Simulation::<f32>::new(scene)?;
+) -> Result<Option<Finding>, Refusal> {
+    let mut problem = problem.clone();
+    problem.propagation.scheme = scheme.to_owned();
+    let places = Places::of(&problem);
+    let anisotropy = probe::anisotropy(&problem.propagation)?;
+    let iterations = problem.propagation.iterations;
+    let mut simulation = Simulation::<f32>::new(problem)?;
     for action in [Action::Clear, Action::Inject, Action::Downsample] {
         simulation.act(action);
     }
@@ -86,7 +86,7 @@ pub fn run(
         moved.iter_mut().zip(&snapshot).for_each(|(sum, light)| *sum += light);
     }
     simulation.act(Action::Merge);
-    let Some(held) = expectation.of(&simulation, references)? else { return Ok(None) };
+    let Some(held) = expectation.of(&simulation, references) else { return Ok(None) };
     let (Some(error), Some(fit)) = (held.rows().first().copied(), held.best_fit()) else { return Ok(None) };
     let merged = brightness.of_grids(&light::sampled(&simulation));
 

@@ -26,11 +26,11 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::ballistic::Ballistic;
 use super::error::ErrorRow;
-use crate::scene::Scene;
+use crate::scene::Problem;
 use crate::sh::Real;
-use crate::simulation::{Simulation, SimulationError};
+use crate::simulation::Simulation;
+use crate::transport::ballistic::Ballistic;
 pub use held::Held;
 
 /// What light is held against.
@@ -114,43 +114,20 @@ impl Expectation {
 
     /// Computes what it needs of a problem and is not there yet. `progress` hears of the share done, 0 to 1, from
     /// any thread, and returns whether to go on.
-    ///
-    /// # Errors
-    /// Where memory is short.
-    pub fn prepare(
-        self,
-        problem: &Scene,
-        references: &mut References,
-        progress: &(dyn Fn(f64) -> bool + Sync),
-    ) -> Result<(), SimulationError> {
+    pub fn prepare(self, problem: &Problem, references: &mut References, progress: &(dyn Fn(f64) -> bool + Sync)) {
         if !self.is_ready(references) {
-            references.ballistic = Ballistic::new(problem, progress)?.map(Arc::new);
+            references.ballistic = Ballistic::new(problem, progress).map(Arc::new);
         }
-        Ok(())
     }
 
     /// The light of a state beside what it ought to be; `None` while the references lack what that needs.
-    ///
-    /// # Errors
-    /// Where memory is short.
-    pub fn of<'a, T: Real>(
-        self,
-        state: &'a Simulation<T>,
-        references: &'a References,
-    ) -> Result<Option<Held<'a, T>>, SimulationError> {
+    pub fn of<'a, T: Real>(self, state: &'a Simulation<T>, references: &'a References) -> Option<Held<'a, T>> {
         Held::new(self, state, references)
     }
 
     /// The errors of a state, as [`Held::rows`] has them; none while the references lack what that needs.
-    ///
-    /// # Errors
-    /// Where memory is short.
-    pub fn rows<T: Real>(
-        self,
-        state: &Simulation<T>,
-        references: &References,
-    ) -> Result<Vec<ErrorRow>, SimulationError> {
-        Ok(self.of(state, references)?.map(|held| held.rows()).unwrap_or_default())
+    pub fn rows<T: Real>(self, state: &Simulation<T>, references: &References) -> Vec<ErrorRow> {
+        self.of(state, references).map(|held| held.rows()).unwrap_or_default()
     }
 }
 
@@ -169,7 +146,7 @@ pub struct References {
 
 impl References {
     /// Drops what is not of `problem`.
-    pub fn turn_to(&mut self, problem: &Scene) {
+    pub fn turn_to(&mut self, problem: &Problem) {
         self.ballistic.take_if(|ballistic| !ballistic.is_of(problem));
     }
 }

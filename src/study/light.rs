@@ -1,10 +1,10 @@
 //! The light of a state as studies look at it: sampled in the finest cells, without what was injected, as one
 //! number a cell.
 
-use super::reference;
 use crate::field::{Cell, Channels, Grid};
+use crate::scene::propagation::Snapshots;
 use crate::sh::{Real, Sh};
-use crate::simulation::{Simulation, SimulationError};
+use crate::simulation::Simulation;
 
 /// What merging would store now, for each channel.
 pub fn sampled<T: Real>(state: &Simulation<T>) -> Vec<Grid<T>> {
@@ -17,19 +17,21 @@ pub fn sampled<T: Real>(state: &Simulation<T>) -> Vec<Grid<T>> {
 }
 
 /// S_A − S_0 of each channel: the merged light without the light that was injected.
-///
-/// # Errors
-/// Where memory is short.
-pub fn moved<T: Real>(state: &Simulation<T>) -> Result<Vec<Grid<T>>, SimulationError> {
+pub fn moved<T: Real>(state: &Simulation<T>) -> Vec<Grid<T>> {
+    let problem = state.problem();
     let mut merged = sampled(state);
-    // Whether S_0 is in the sum is the snapshots' choice; injecting anew tells.
-    let injected = reference::injected::<T>(state.scene())?;
-    for (merged, light) in merged.iter_mut().zip(injected.lights()) {
-        for (cell, value) in light.accumulated.level(0).iter().filter(|(_, value)| !value.is_zero()) {
+    // Whether S_0 is in the sum is the snapshots' choice.
+    if problem.propagation.snapshots != Snapshots::Thesis {
+        return merged;
+    }
+    let cells = problem.accumulating(0);
+    let counts = |cell| cells.as_ref().is_none_or(|cells| cells.get(cell));
+    for (merged, injected) in merged.iter_mut().zip(problem.injected::<T>(state.channels())) {
+        for (cell, value) in injected.iter().filter(|(cell, value)| !value.is_zero() && counts(*cell)) {
             merged.set(cell, merged.get(cell) - value);
         }
     }
-    Ok(merged)
+    merged
 }
 
 /// The largest multiple of each channel among the three colours: what a channel's norm counts with.

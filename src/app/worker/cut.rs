@@ -44,21 +44,21 @@ fn cut(tracks: &mut [Track], references: &References, pane: Pane, look: &Look) -
     let state = track.at(if forgotten { None } else { pane.state.iteration })?;
     let mut slice = match pane.state.of {
         Of::Truth => flat(references.ballistic.as_ref()?.light(), state.channels(), layer, plane),
-        Of::Track(_) if pane.moved() => flat(&light::moved(state).ok()?, state.channels(), layer, plane),
+        Of::Track(_) if pane.moved() => flat(&light::moved(state), state.channels(), layer, plane),
         Of::Track(_) => slice(state, pane.light, layer, plane),
     };
     let has_errors = other.is_none() && pane.light == Light::Accumulated && pane.state.of != Of::Truth;
     if let Some(other) = other {
         subtract(&mut slice, &other);
     }
-    let held = if has_errors { look.against.of(state, references).ok()? } else { None };
+    let held = if has_errors { look.against.of(state, references) } else { None };
     let errors =
         held.map_or_else(Vec::new, |held| slice.cells.iter().map(|cell| held.cell(cell.level, cell.cell)).collect());
     let plane = slice.plane;
     let side = slice.side;
     let finest = |i: usize| plane.axis.cell(plane.index, i % side, i / side);
     let index = (0..side * side).map(|i| state.index().index(finest(i)) as u8).collect();
-    let in_cut = state.scene().solids.iter().filter(|b| b.cell[plane.axis.across()] == plane.index);
+    let in_cut = state.problem().solids.iter().filter(|b| b.cell[plane.axis.across()] == plane.index);
     let occupied = in_cut.map(|b| [b.cell[plane.axis.columns()], b.cell[plane.axis.rows()]]).collect();
     Some(Shown { pane, iteration: state.iteration(), forgotten, slice: Arc::new(slice), errors, index, occupied })
 }
@@ -76,7 +76,7 @@ fn taken(
         Of::Track(track) => {
             let state = tracks.get_mut(track)?.at(state.iteration)?;
             match pane.moved() {
-                true => Some(flat(&light::moved(state).ok()?, state.channels(), layer, plane)),
+                true => Some(flat(&light::moved(state), state.channels(), layer, plane)),
                 false => Some(slice(state, pane.light, layer, plane)),
             }
         }
@@ -164,13 +164,13 @@ pub(in crate::app) mod tests {
     use super::*;
     use crate::app::worker::look::CloudAsk;
     use crate::report::slice::Axis;
-    use crate::scene::{Preset, Scene};
+    use crate::scene::{Preset, Problem};
     use crate::simulation::Action;
     use crate::study::expectation::Expectation;
 
     pub fn track(preset: &str) -> Track {
         let preset = Preset::parse(preset, Path::new("test")).unwrap();
-        let mut track = Track::new(Scene::build(&preset, Path::new("")).unwrap(), 1 << 20).unwrap();
+        let mut track = Track::new(Problem::build(&preset, Path::new("")).unwrap(), 1 << 20).unwrap();
         for action in [Action::Inject, Action::Downsample, Action::Propagate, Action::Propagate] {
             track.act(action);
         }
@@ -197,14 +197,14 @@ pub(in crate::app) mod tests {
     /// What truly arrives in a track's scene.
     pub fn references(track: &Track) -> References {
         let mut references = none();
-        Expectation::Ballistic.prepare(track.now().scene(), &mut references, &|_| true).unwrap();
+        Expectation::Ballistic.prepare(track.now().problem(), &mut references, &|_| true);
         references
     }
 
     #[test]
     fn errors_against_a_uniform_volume_vanish_where_nothing_is_propagated() {
         let preset = Preset::parse(ONE, Path::new("test")).unwrap();
-        let mut fresh = Track::new(Scene::build(&preset, Path::new("")).unwrap(), 1 << 20).unwrap();
+        let mut fresh = Track::new(Problem::build(&preset, Path::new("")).unwrap(), 1 << 20).unwrap();
         fresh.act(Action::Inject);
         fresh.act(Action::Downsample);
         let shown = panes(&mut [fresh], &none(), &look(Layer::Level(2), None));
@@ -244,7 +244,7 @@ pub(in crate::app) mod tests {
         let look = Look { panes: vec![arrived(None), arrived(Some(own))], ..look(Layer::Merged, None) };
         assert!(panes(&mut tracks, &none(), &look).is_empty());
         let shown = panes(&mut tracks, &references, &look);
-        let moved = light::moved(tracks[0].now()).unwrap();
+        let moved = light::moved(tracks[0].now());
         for (is, difference) in shown[0].slice.cells.iter().zip(&shown[1].slice.cells) {
             assert_eq!(is.light[0], truth.light()[0].get(is.cell));
             assert_eq!(difference.light[0], is.light[0] - moved[0].get(is.cell));

@@ -1,8 +1,8 @@
 //! One propagator on its way through a scene: the simulation, its past and its errors.
 
 use crate::app::worker::history::{self, History};
-use crate::scene::Scene;
-use crate::simulation::{Action, Change, Simulation, SimulationError};
+use crate::scene::Problem;
+use crate::simulation::{Action, Change, Refusal, Simulation};
 use crate::study::error::ErrorRow;
 use crate::study::expectation::{Expectation, References};
 
@@ -11,8 +11,7 @@ pub fn errors(state: &Simulation<f32>, expectation: Expectation, references: &Re
     if (0..state.sizes().count()).all(|i| state.index().level(i).count() == 0) {
         return Vec::new();
     }
-    // A state that is there has had its memory: nothing is left to be refused.
-    expectation.rows(state, references).unwrap_or_default()
+    expectation.rows(state, references)
 }
 
 /// A simulation that remembers.
@@ -25,9 +24,9 @@ pub struct Track {
 }
 
 impl Track {
-    /// A dark simulation of `scene`, with `budget` bytes for its past.
-    pub fn new(scene: Scene, budget: usize) -> Result<Self, SimulationError> {
-        Ok(Track { now: Simulation::new(scene)?, past: History::new(budget), fixed: true })
+    /// A dark simulation of `problem`, with `budget` bytes for its past.
+    pub fn new(problem: Problem, budget: usize) -> Result<Self, Refusal> {
+        Ok(Track { now: Simulation::new(problem)?, past: History::new(budget), fixed: true })
     }
 
     /// Does one action and tells what it changed.

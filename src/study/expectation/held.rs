@@ -3,10 +3,11 @@
 use super::{Expectation, References};
 use crate::field::{Cell, Grid, Layout, downsample_into, mean_of_children};
 use crate::sh::{Real, Sh};
-use crate::simulation::{Simulation, SimulationError};
-use crate::study::ballistic::{self, Ballistic, BestFit};
+use crate::simulation::Simulation;
 use crate::study::error::{CellError, ErrorRow, Tally};
+use crate::study::fit::{BestFit, l1};
 use crate::study::light;
+use crate::transport::ballistic::Ballistic;
 
 /// A state under one expectation.
 #[derive(Debug)]
@@ -32,21 +33,14 @@ enum Compared<'a, T> {
 }
 
 impl<'a, T: Real> Held<'a, T> {
-    pub(super) fn new(
-        expectation: Expectation,
-        state: &'a Simulation<T>,
-        references: &'a References,
-    ) -> Result<Option<Self>, SimulationError> {
+    pub(super) fn new(expectation: Expectation, state: &'a Simulation<T>, references: &'a References) -> Option<Self> {
         let compared = match expectation {
             Expectation::Thesis => Compared::Children,
             Expectation::Corrected => Compared::Levels,
             Expectation::Merged => Compared::Merged(light::sampled(state)),
-            Expectation::Ballistic => {
-                let Some(truth) = references.ballistic.as_deref() else { return Ok(None) };
-                Compared::Moved(light::moved(state)?, truth)
-            }
+            Expectation::Ballistic => Compared::Moved(light::moved(state), references.ballistic.as_deref()?),
         };
-        Ok(Some(Held { expectation, state, scales: light::channel_scales(state.channels()), compared }))
+        Some(Held { expectation, state, scales: light::channel_scales(state.channels()), compared })
     }
 
     /// The errors: of all levels together first, then, where levels are told apart, of each from 1 on.
@@ -104,9 +98,9 @@ impl<'a, T: Real> Held<'a, T> {
             Compared::Merged(merged) => {
                 let uniform: Vec<&Grid<T>> =
                     self.state.lights().iter().map(|light| light.accumulated.level(0)).collect();
-                Some(ballistic::l1(&self.scales, merged, &uniform))
+                Some(l1(&self.scales, merged, &uniform))
             }
-            Compared::Moved(moved, truth) => Some(ballistic::l1(&self.scales, moved, truth.light())),
+            Compared::Moved(moved, truth) => Some(l1(&self.scales, moved, truth.light())),
         }
     }
 
@@ -187,11 +181,11 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::scene::{Occlusion, Propagation, Scene, Source};
+    use crate::scene::{Occlusion, Problem, Propagation, Source};
 
     fn run(coarsest: usize) -> Simulation<f32> {
         let source = Source { color: [1.0, 0.5, 0.0], light: vec![([3, 1, 2], Sh::lobe(DVec3::X))] };
-        let scene = Scene {
+        let problem = Problem {
             size: 8,
             coarsest,
             sources: vec![source],
@@ -199,7 +193,7 @@ mod tests {
             occlusion: Occlusion::default(),
             propagation: Propagation { iterations: 3, ..Propagation::default() },
         };
-        let mut simulation = Simulation::new(scene).unwrap();
+        let mut simulation = Simulation::new(problem).unwrap();
         simulation.run(|_| true);
         simulation
     }
@@ -208,7 +202,7 @@ mod tests {
     fn each(state: &Simulation<f32>) -> Vec<(Expectation, References)> {
         let ready = |expectation: Expectation| {
             let mut references = References::default();
-            expectation.prepare(state.scene(), &mut references, &|_| true).unwrap();
+            expectation.prepare(state.problem(), &mut references, &|_| true);
             assert!(expectation.is_ready(&references));
             (expectation, references)
         };
@@ -219,7 +213,7 @@ mod tests {
     fn a_uniform_volume_has_no_error_where_it_is_what_is_expected() {
         let state = run(8);
         for (expectation, references) in each(&state) {
-            let rows = expectation.of(&state, &references).unwrap().unwrap().rows();
+            let rows = expectation.of(&state, &references).unwrap().rows();
             assert_eq!(rows.len(), 1, "{expectation}: no level but the finest");
             assert_eq!(rows[0].absolute_max == 0.0, expectation != Expectation::Ballistic, "{expectation}");
         }
@@ -229,7 +223,7 @@ mod tests {
     fn the_largest_error_of_a_row_is_the_largest_of_its_cells() {
         let state = run(1);
         for (expectation, references) in each(&state) {
-            let held = expectation.of(&state, &references).unwrap().unwrap();
+            let held = expectation.of(&state, &references).unwrap();
             let rows = held.rows();
             assert_eq!(rows.len(), if expectation.has_levels() { 4 } else { 1 }, "{expectation}");
             for row in rows.iter().filter(|row| row.level.is_some() != (rows.len() == 1)) {
@@ -249,16 +243,16 @@ mod tests {
     fn what_is_not_computed_yet_is_not_held_against_anything() {
         let (state, references) = (run(1), References::default());
         assert!(!Expectation::Ballistic.is_ready(&references));
-        assert!(Expectation::Ballistic.of(&state, &references).unwrap().is_none());
+        assert!(Expectation::Ballistic.of(&state, &references).is_none());
     }
 
     #[test]
     fn darkness_has_an_infinite_ratio_where_light_was_expected() {
         let mut references = References::default();
         let lit = run(1);
-        Expectation::Ballistic.prepare(lit.scene(), &mut references, &|_| true).unwrap();
-        let dark = Simulation::<f32>::new(lit.scene().clone()).unwrap();
-        let row = Expectation::Ballistic.of(&dark, &references).unwrap().unwrap().rows()[0];
+        Expectation::Ballistic.prepare(lit.problem(), &mut references, &|_| true);
+        let dark = Simulation::<f32>::new(lit.problem().clone()).unwrap();
+        let row = Expectation::Ballistic.of(&dark, &references).unwrap().rows()[0];
         assert!(row.undefined > 0 && row.relative_max == 0.0);
     }
 }

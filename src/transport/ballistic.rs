@@ -9,12 +9,10 @@
 //! R(x) = Σ_s Φ_s(x)·Y(u_s)
 //! ```
 //!
-//! No propagator of the lab computes this, which is the point: all of them are judged by it alike. R is
-//! compared with what a propagator moved, S_A − S_0, as it is and after the one scalar that fits best,
-//! for renderers scale by taste. In every cell but the source's own the flux is the exact one
+//! No propagator of the lab computes this, which is the point: all of them are judged by it alike.
+//! In every cell but the source's own the flux is the exact one
 //! ([`solid_angle`]); a cell that s sees both sides of an edge of is given the light of its centre's direction.
 
-mod fit;
 mod pattern;
 pub mod solid_angle;
 pub mod visibility;
@@ -24,15 +22,10 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::reference;
+use super::transparency::Transparency;
 use crate::field::{Cell, Grid, Layout};
-use crate::scene::Solid;
-use crate::scene::occluder::OcclusionMode;
-use crate::scene::{Occlusion, Scene, Source};
+use crate::scene::{Occlusion, Problem, Solid, Source};
 use crate::sh::Sh;
-use crate::simulation::SimulationError;
-use crate::transport::transparency::Transparency;
-pub use fit::{BestFit, l1};
 use solid_angle::Extent;
 use visibility::Visibility;
 
@@ -49,34 +42,33 @@ pub struct Ballistic {
 impl Ballistic {
     /// Computes R on all cores. `progress` hears of the share done, 0 to 1, from any thread, and returns
     /// whether to go on; `None` if it did not want to.
-    pub fn new(scene: &Scene, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Option<Self>, SimulationError> {
-        let injected = reference::injected::<f64>(scene)?;
-        let extents = extents(scene.size);
-        let blocks = scene.occlusion.mode != OcclusionMode::Off;
-        let solids: &[Solid] = if blocks { &scene.solids } else { &[] };
-        let transparency = Transparency::new(scene.size, solids);
-        let visibility = transparency.as_ref().map(|cells| Visibility::new(cells, scene.size));
-        let channels = injected.lights().len();
+    pub fn new(problem: &Problem, progress: &(dyn Fn(f64) -> bool + Sync)) -> Option<Self> {
+        let injected = problem.injected::<f64>(&problem.channels());
+        let extents = extents(problem.size);
+        let transparency = Transparency::of(problem);
+        let visibility = transparency.as_ref().map(|cells| Visibility::new(cells, problem.size));
+        let channels = injected.len();
         let mut light = Vec::new();
-        for (channel, carried) in injected.lights().iter().enumerate() {
-            let points: Vec<(Cell, Sh<f64>)> =
-                carried.source.level(0).iter().filter(|(_, light)| !light.is_zero()).collect();
+        for (channel, carried) in injected.iter().enumerate() {
+            let points: Vec<(Cell, Sh<f64>)> = carried.iter().filter(|(_, light)| !light.is_zero()).collect();
             let part = |done: f64| progress((channel as f64 + done) / channels as f64);
-            let Some(grid) = arriving(&points, &extents, visibility.as_ref(), scene.size, &part) else {
-                return Ok(None);
-            };
-            light.push(grid);
+            light.push(arriving(&points, &extents, visibility.as_ref(), problem.size, &part)?);
         }
-        let Scene { size, sources, solids, occlusion, .. } = scene.clone();
-        Ok(Some(Ballistic { size, sources, solids, occlusion, light }))
+        let Problem { size, sources, solids, occlusion, .. } = problem.clone();
+        Some(Ballistic { size, sources, solids, occlusion, light })
     }
 
-    /// Whether it is the reference of `scene`: the way light is propagated does not matter to it.
-    pub fn is_of(&self, scene: &Scene) -> bool {
-        self.size == scene.size
-            && self.sources == scene.sources
-            && self.solids == scene.solids
-            && self.occlusion.mode == scene.occlusion.mode
+    /// Cells along a side.
+    pub fn side(&self) -> usize {
+        self.size
+    }
+
+    /// Whether it is the reference of `problem`: the way light is propagated does not matter to it.
+    pub fn is_of(&self, problem: &Problem) -> bool {
+        self.size == problem.size
+            && self.sources == problem.sources
+            && self.solids == problem.solids
+            && self.occlusion.mode == problem.occlusion.mode
     }
 
     /// R of each channel; zero in cells that only hold their own light.
