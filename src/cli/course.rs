@@ -5,36 +5,37 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::CliError;
 use crate::scene::Problem;
 use crate::simulation::Simulation;
-use crate::study::ballistic;
-use crate::study::error::{self, ErrorRow};
-use crate::study::reference;
-use crate::transport::ballistic::Ballistic;
+use crate::study::error::ErrorRow;
+use crate::study::expectation::{Expectation, References};
 
 /// What a run was found to do.
 pub struct Course {
-    /// Every metric after every iteration.
+    /// Every error after every iteration.
     pub rows: Vec<ErrorRow>,
     /// Seconds that all actions took, measuring aside.
     pub seconds: f64,
 }
 
-/// Computes what truly arrives in a scene, with a bar on a terminal.
-pub fn truth(problem: &Problem) -> Result<Ballistic, CliError> {
-    let bar = bar(1000, "{bar:40} {percent} % of the straight lines, {eta} left");
-    let truth = Ballistic::new(problem, &|done| {
-        bar.set_position((done * 1000.0) as u64);
-        true
-    });
-    bar.finish_and_clear();
-    truth.ok_or_else(|| CliError::Failed("the straight lines were given up".to_owned()))
+/// Computes what expectations need of a scene, with a bar on a terminal.
+pub fn references(problem: &Problem, expectations: &[Expectation]) -> References {
+    let mut references = References::default();
+    for expectation in expectations {
+        let bar = bar(1000, "{bar:40} {percent} % of what truly arrives, {eta} left");
+        let progress = |done: f64| {
+            bar.set_position((done * 1000.0) as u64);
+            true
+        };
+        expectation.prepare(problem, &mut references, &progress);
+        bar.finish_and_clear();
+    }
+    references
 }
 
-/// Runs the scene, printing a line for every iteration. Errors are those of the octree against itself and
-/// against the uniform volume, and against `truth` where it is given.
-pub fn run(simulation: &mut Simulation<f32>, truth: Option<&Ballistic>) -> Course {
+/// Runs the scene, printing a line for every iteration. The light is held against every expectation that the
+/// references are ready for.
+pub fn run(simulation: &mut Simulation<f32>, references: &References) -> Course {
     let iterations = simulation.problem().propagation.iterations;
     let bar = bar(iterations as u64, "{bar:40} iteration {pos} of {len}, {eta} left");
     println!("{}", LINE_HEAD);
@@ -42,7 +43,7 @@ pub fn run(simulation: &mut Simulation<f32>, truth: Option<&Ballistic>) -> Cours
     let started = Instant::now();
     simulation.run(|now| {
         let began = Instant::now();
-        let errors = measure(now, truth);
+        let errors = measure(now, references);
         bar.suspend(|| println!("{}", line(now, &errors[0])));
         rows.extend(errors);
         bar.set_position(now.iteration() as u64);
@@ -54,16 +55,9 @@ pub fn run(simulation: &mut Simulation<f32>, truth: Option<&Ballistic>) -> Cours
     Course { rows, seconds }
 }
 
-/// Every metric of the present iteration, the thesis's over all levels first.
-fn measure(now: &Simulation<f32>, truth: Option<&Ballistic>) -> Vec<ErrorRow> {
-    let uniform = reference::uniform(now);
-    let mut rows = error::thesis(now);
-    rows.extend(error::corrected(now, &uniform));
-    rows.push(error::merged(now, &uniform));
-    if let Some(truth) = truth {
-        rows.push(ballistic::error(now, truth));
-    }
-    rows
+/// The errors of the present iteration, the thesis's over all levels first.
+fn measure(now: &Simulation<f32>, references: &References) -> Vec<ErrorRow> {
+    Expectation::ALL.into_iter().flat_map(|expectation| expectation.rows(now, references)).collect()
 }
 
 const LINE_HEAD: &str = "iteration   energy left      abs mean       abs max      rel mean       rel max  undefined";

@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::app::draw::scales::Scales;
 use crate::app::session::Session;
 use crate::app::session::command::Command;
-use crate::app::session::curves::{Curves, Group};
+use crate::app::session::curves::Curves;
 use crate::app::session::format::Format;
 use crate::app::session::pareto;
 use crate::app::session::plots::{Plots, Tab};
@@ -14,12 +14,13 @@ use crate::app::session::settings::Settings;
 use crate::app::session::view::{Heat, View};
 use crate::app::worker::look::Shown;
 
+use crate::report::error_figure::{ErrorFigure, Measure, Series};
 use crate::report::picture::{Panel, Picture};
-use crate::report::plot::{Curve, Dash, Figure, Mark, Plot};
+use crate::report::plot::Figure;
 use crate::report::slice::Axis;
-use crate::report::{raster, table};
+use crate::report::{pareto_figure, raster, table};
 use crate::scene::file::write_whole;
-use crate::study::error::Metric;
+use crate::study::expectation::Expectation;
 
 /// Why there is nothing to export of a line.
 const NO_LINE: &str = "the light along the line is not computed yet; try again when it is shown";
@@ -38,7 +39,7 @@ fn csv(runs: &[&Curves]) -> Result<String, Box<dyn Error>> {
             let name = if line == 0 { "run" } else { run.name.as_str() };
             let fit = match line.checked_sub(1).map(|at| &run.rows[at]) {
                 None => "l1_best_fit".to_owned(),
-                Some(row) if row.metric == Metric::Ballistic => {
+                Some(row) if row.expectation == Expectation::Ballistic => {
                     let here = |[k, _]: &&[f64; 2]| *k == row.iteration as f64;
                     run.fits.iter().find(here).map(|[_, fit]| fit.to_string()).unwrap_or_default()
                 }
@@ -53,34 +54,24 @@ fn csv(runs: &[&Curves]) -> Result<String, Box<dyn Error>> {
 
 /// The error plots as a figure for a paper: the curves that are on screen.
 fn figure(title: &str, plots: &Plots, runs: &[&Curves], seen: usize) -> Figure {
-    let (metric, level) = (plots.metric, plots.level());
-    let level_name = level.map_or("all levels".to_owned(), |level| format!("level {level}"));
-    let plot = |group: &Group| {
-        let mut curves = Vec::new();
-        for run in runs {
-            for (i, quantity) in group.quantities.iter().enumerate().filter(|(_, quantity)| plots.draws(quantity)) {
-                let several = runs.len() > 1;
-                curves.push(Curve {
-                    name: if several { format!("{}, {}", run.name, quantity.name) } else { quantity.name.to_owned() },
-                    points: (quantity.curve)(run, metric, level),
-                    color: if several { run.color } else { i },
-                    dash: if quantity.dashed { Dash::Dashed } else { Dash::Solid },
-                });
-            }
-        }
-        curves.retain(|curve| !curve.points.is_empty());
-        Plot {
-            title: format!("{}, {metric}, {level_name}", group.title),
-            x_label: "iteration k".to_owned(),
-            y_label: group.axis.to_owned(),
-            log_y: plots.log,
-            curves,
-            marks: vec![Mark { x: seen as f64, label: format!("k = {seen}") }],
-        }
+    let (expectation, level) = (plots.metric, plots.level());
+    let series = runs.iter().map(|run| {
+        let rows = run.rows.iter().filter(|row| row.expectation == expectation && row.level == level);
+        Series { name: run.name.clone(), rows: rows.copied().collect(), color: run.color }
+    });
+    let measures: Vec<Measure> = plots.measures().collect();
+    let figure = ErrorFigure {
+        title,
+        series: &series.collect::<Vec<_>>(),
+        measures: &measures,
+        means: plots.average,
+        largest: plots.maximum,
+        log: plots.log,
+        current: Some(seen),
+        theme: plots.format.theme(),
+        size: plots.format.figure(measures.len()),
     };
-    let drawn: Vec<Plot> = plots.groups().map(plot).collect();
-    let size = plots.format.figure(drawn.len());
-    Figure { title: title.to_owned(), plots: drawn, theme: plots.format.theme(), size }
+    figure.figure()
 }
 
 /// The slices as a picture for a paper.
@@ -169,7 +160,7 @@ fn plots_picture(session: &Session) -> Result<String, Box<dyn Error>> {
         Tab::Line => session.course().ok_or(NO_LINE)?.figure(&title, plots.line.log, &plots.format),
         Tab::Pareto => {
             let rows = pareto::against(session.pareto_rows(), plots.pareto);
-            pareto::figure(&title, &rows, plots.pareto, &plots.format)
+            pareto_figure::figure(&title, &rows, plots.format.theme(), |count| plots.format.figure(count))
         }
     };
     Ok(figure.to_svg_set(plots.format.text()))

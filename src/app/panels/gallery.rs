@@ -17,11 +17,12 @@ use crate::app::session::ask::{Ask, Asks, Next};
 use crate::app::session::guide;
 use crate::app::session::view::{Fill, View};
 use crate::app::worker::cut;
-use crate::app::worker::look::{Against, Layer, Light, Look, Of, Pane, Shown, State};
+use crate::app::worker::look::{Layer, Light, Look, Of, Pane, Shown, State};
 use crate::app::worker::track::Track;
 use crate::report::slice::Plane;
 use crate::scene::{Problem, builtin};
 use crate::simulation::Action;
+use crate::study::expectation::{Expectation, References};
 use crate::transport::preset;
 
 /// The side of a picture and the width of a card, in points.
@@ -153,10 +154,10 @@ fn picture(name: &str) -> Result<Shown, String> {
         panes: vec![pane],
         layer: Layer::Merged,
         plane,
-        against: Against::default(),
+        against: Expectation::default(),
         brightest: Default::default(),
         cloud: None,
     };
-    let shown = cut::panes(&mut [track], None, &look).pop();
+    let shown = cut::panes(&mut [track], &References::default(), &look).pop();
     shown.ok_or_else(|| format!("{name} shows nothing"))
 }

@@ -9,7 +9,7 @@ use crate::app::worker::Order;
 use crate::app::worker::look::{
     Against, Brightest, Cloud, CloudAsk, Light, Look, Of, Pane, Pin, PinSample, Shown, State,
 };
-use crate::study::error::Metric;
+use crate::study::expectation::Expectation;
 
 /// The part of the largest glyphs that may be cut off by their cells on a linear scale.
 pub const LINEAR_QUANTILE: f32 = 0.99;
@@ -43,7 +43,7 @@ pub struct Sight {
     /// Whether the views show it, after the last action.
     pub answered: bool,
     /// The metric that the worker was told to measure by first.
-    measured_by: Option<Metric>,
+    measured_by: Option<Expectation>,
     /// How light in space is looked at.
     pub space: SpaceLook,
     /// The cell that stays in sight.
@@ -96,12 +96,8 @@ impl Session {
     }
 
     /// What errors of cells are against: the same as in the plots.
-    pub fn against(&self) -> Against {
-        match self.settings.plots.metric {
-            Metric::Thesis => Against::Children,
-            Metric::Corrected | Metric::Merged => Against::Uniform,
-            Metric::Ballistic => Against::Truth,
-        }
+    pub fn against(&self) -> Expectation {
+        self.settings.plots.metric
     }
 
     /// What is to be seen.
