@@ -125,7 +125,7 @@ impl Session {
                     curves.put(iteration, metric, measured);
                 }
             }
-            News::Done { change, progress } => {
+            News::Done { change, progress, each } => {
                 self.run.waiting = None;
                 self.sight.answered = false;
                 self.run.change = change.or(self.run.change);
@@ -133,6 +133,9 @@ impl Session {
                 if self.sight.centre {
                     self.sight.centre = false;
                     self.settings.view.index = progress.brightest[self.settings.view.axis.across()];
+                }
+                if change.is_some_and(|change| change.action == Action::Propagate) {
+                    self.run.curves.iter_mut().zip(each).for_each(|(curves, seconds)| curves.seconds.push(seconds));
                 }
                 let same = change.is_none_or(|change| change.action == Action::Merge);
                 let from = progress.iteration + usize::from(same);

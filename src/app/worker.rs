@@ -136,6 +136,8 @@ pub enum News {
         change: Option<Change>,
         /// How far the worker is.
         progress: Progress,
+        /// What the action took with each propagator, in seconds.
+        each: Vec<f64>,
     },
     /// An iteration has been measured.
     Measured {

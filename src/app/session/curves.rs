@@ -14,6 +14,8 @@ pub struct Curves {
     pub fits: Vec<[f64; 2]>,
     /// Its colour, by number.
     pub color: usize,
+    /// What each of its iterations took, in seconds.
+    pub seconds: Vec<f64>,
 }
 
 impl Curves {
@@ -39,6 +41,19 @@ impl Curves {
             self.fits.extend(fitted.map(|fitted| [iteration as f64, fitted]));
             self.fits.sort_by(|a, b| a[0].total_cmp(&b[0]));
         }
+    }
+
+    /// Its latest errors up to iteration `k`.
+    pub fn last(&self, metric: Expectation, level: Option<usize>, k: usize) -> Option<&ErrorRow> {
+        let rows = self.rows.iter().filter(|row| row.expectation == metric && row.level == level);
+        rows.filter(|row| row.iteration <= k).max_by_key(|row| row.iteration)
+    }
+
+    /// What an iteration takes in the median, in milliseconds.
+    pub fn milliseconds(&self) -> Option<f64> {
+        let mut seconds = self.seconds.clone();
+        seconds.sort_by(f64::total_cmp);
+        seconds.get(seconds.len() / 2).map(|seconds| 1e3 * seconds)
     }
 
     /// (iteration, value) of the rows of a metric and a level.

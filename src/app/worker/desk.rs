@@ -48,6 +48,8 @@ pub struct Desk {
     merged: bool,
     brightest: [usize; 3],
     seconds: f64,
+    /// What the last action took with each propagator, in seconds.
+    each: Vec<f64>,
     pictured: Option<Instant>,
     /// What is measured against; it is that of the scene that runs.
     references: References,
@@ -81,6 +83,7 @@ impl Desk {
             merged: false,
             brightest: [0; 3],
             seconds: 0.0,
+            each: Vec::new(),
             pictured: None,
             references: References::default(),
             metric: None,
@@ -369,9 +372,14 @@ impl Desk {
     fn act(&mut self, action: Action) {
         let started = Instant::now();
         let mut first = None;
+        let mut each = Vec::with_capacity(self.tracks.len());
         for track in &mut self.tracks {
-            first = first.or(Some(track.act(action)));
+            let begun = Instant::now();
+            let change = track.act(action);
+            each.push(begun.elapsed().as_secs_f64());
+            first = first.or(Some(change));
         }
+        self.each = each;
         self.seconds = started.elapsed().as_secs_f64();
         let Some(change) = first else { return };
         // A propagator whose light diverges keeps its last good state, and the run ends there.
@@ -408,7 +416,8 @@ impl Desk {
             work: track.now().work(),
             behind: self.behind(),
         };
-        self.tell(News::Done { change, progress });
+        let each = if change.is_some() { self.each.clone() } else { Vec::new() };
+        self.tell(News::Done { change, progress, each });
     }
 
     /// Sends what is to be seen; a run in progress does not send more pictures than can be watched.

@@ -64,7 +64,7 @@ impl Panels for Light {
                         inspector::ui(ui, session, self.pointed, &mut self.turn, &theme, asks);
                     });
                 }
-                plots::ui(ui, session);
+                plots::ui(ui, session, asks);
             });
         }
         Panel::top("view").show(ui, |ui| view_bar::ui(ui, session, asks));
