@@ -28,7 +28,7 @@ pub fn ui(
     let marks = marks(session, theme, pointed);
     let paint = scales.paint(&session.settings.view);
     // The algorithm's way: what the source sends comes into the target, which is added to the sum.
-    let between: &[&str] = if session.settings.view.stage == Stage::Grids { &["→", "+"] } else { &[] };
+    let between: &[&str] = if session.settings.view.stage == Stage::Grids { &["➡", "+"] } else { &[] };
     let manner = Manner { view: &session.settings.view, theme, scales, paint, marks: &marks, between };
     let room = ui.available_rect_before_wrap();
     let pointed = grids.ui(ui, &session.sight.shown, &session.titles(), &manner);

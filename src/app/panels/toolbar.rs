@@ -76,5 +76,5 @@ fn told(ui: &Ui, session: &Session) -> (String, Color32, String) {
     if run.is_playing() {
         return ("▶ Playing".to_owned(), visuals.text_color(), "Pause with P".to_owned());
     }
-    ("● Ready".to_owned(), visuals.weak_text_color(), "The results are of the scene as it is".to_owned())
+    ("⏺ Ready".to_owned(), visuals.weak_text_color(), "The results are of the scene as it is".to_owned())
 }

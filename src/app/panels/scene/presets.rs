@@ -18,7 +18,7 @@ pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
         button(ui, session, Command::Save, asks);
         button(ui, session, Command::Open, asks);
         // Before the name, where a long one does not cut it off.
-        let mark = if session.document.is_saved() { "" } else { "● " };
+        let mark = if session.document.is_saved() { "" } else { "⏺ " };
         let text = format!("{mark}{}", session.document.name());
         let list = ComboBox::from_id_salt("presets").selected_text(text).width(ui.available_width()).truncate();
         let list = list.show_ui(ui, |ui| {
