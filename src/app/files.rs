@@ -4,4 +4,5 @@ pub mod dialog;
 pub mod export;
 pub mod film;
 pub mod home;
+pub mod preview;
 pub mod recovery;

@@ -13,6 +13,7 @@ use super::draw::style;
 use super::files::dialog::Dialog;
 use super::files::film::Film;
 use super::files::home::Home;
+use super::files::preview::Preview;
 use super::files::recovery::Recovery;
 use super::panels::button::fold_button;
 use super::panels::gallery::Gallery;
@@ -35,6 +36,7 @@ pub struct Lab {
     workspaces: Workspaces,
     dialog: Dialog,
     film: Film,
+    preview: Preview,
     /// Where settings are kept, if they are.
     home: Option<Home>,
     /// Where unsaved work is kept, if it is.
@@ -60,6 +62,7 @@ impl Lab {
             workspaces: Workspaces::default(),
             dialog: Dialog::new(ctx),
             film: Film::default(),
+            preview: Preview::default(),
             home: None,
             recovery: None,
             keys_open: false,
@@ -118,8 +121,9 @@ impl Lab {
             });
         }
         self.workspaces.get(session.settings.workspace).ui(ui, session, &mut asks);
-        let Settings { recent, plots, .. } = &mut self.session.settings;
-        self.dialog.ui(ui, recent, &mut plots.format);
+        let mut format = self.session.settings.plots.format;
+        self.dialog.ui(ui, &self.session, &mut format, &mut self.preview);
+        self.session.settings.plots.format = format;
         keys::ui(&ctx, &mut self.keys_open);
         palette::ui(&ctx, &mut self.palette, &self.session, &mut asks);
         self.gallery.ui(&ctx, &mut asks);

@@ -6,7 +6,9 @@ use std::time::{Duration, Instant};
 
 use egui::{Context, Id, Label, Modal, RichText, TextEdit, Ui};
 
+use super::preview::Preview;
 use crate::app::panels::format;
+use crate::app::session::Session;
 use crate::app::session::format::Format;
 use crate::app::session::purpose::Purpose;
 
@@ -81,9 +83,9 @@ impl Dialog {
         }
     }
 
-    /// Shows the question, if there is one. `recent` are files to choose from, `format` is how pictures are exported.
-    pub fn ui(&mut self, ui: &Ui, recent: &[PathBuf], format: &mut Format) {
-        let Some(mut question) = self.question.take() else { return };
+    /// Shows the question, if there is one. `format` is how pictures are exported, `preview` what they will be.
+    pub fn ui(&mut self, ui: &Ui, session: &Session, format: &mut Format, preview: &mut Preview) {
+        let Some(mut question) = self.question.take() else { return preview.close() };
         let mut open = true;
         let modal = Modal::new(Id::unique("file question")).show(ui.ctx(), |ui| {
             ui.set_width(460.0);
@@ -101,7 +103,7 @@ impl Dialog {
             }
             let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
             if question.purpose == Purpose::Open {
-                for path in recent {
+                for path in &session.settings.recent {
                     if ui.link(path.display().to_string()).clicked() {
                         self.answer(question.purpose, path.clone());
                     }
@@ -125,6 +127,9 @@ impl Dialog {
             ui.add_space(6.0);
             if question.purpose.is_picture() {
                 format::ui(ui, format);
+                if let Purpose::Export(command) = question.purpose {
+                    preview.ui(ui, session, command, format);
+                }
                 ui.add_space(6.0);
             }
             ui.horizontal(|ui| {

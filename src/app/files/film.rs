@@ -75,7 +75,7 @@ impl Film {
         if let Some(reel) = &mut self.reel {
             let seen = session.sight.answered && session.sight.shown.iter().all(|shown| shown.iteration == reel.next);
             if seen && session.run.waiting.is_none() {
-                reel.pictures.push(export::grids_picture(session));
+                reel.pictures.push(export::grids_picture(session, &session.settings.plots.format));
                 reel.next += 1;
                 session.scrub(reel.next);
             }

@@ -37,6 +37,9 @@ pub fn ui(ui: &mut Ui, view: &View, scales: &Scales, shown: &[Shown], theme: &Th
             ui.painter().hline(rect.x_range(), rect.center().y, (1.6, color(theme.ink)));
             ui.small("border between levels");
         }
+        if !view.linked && shown.len() > 1 {
+            ui.small("views zoom and pan apart");
+        }
     });
 }
 
