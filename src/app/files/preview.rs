@@ -32,17 +32,12 @@ impl Preview {
     /// Shows what an export command will save.
     pub fn ui(&mut self, ui: &mut Ui, session: &Session, command: Command, format: &Format) {
         let key = (command, *format, session.sight.edition);
-        let svg = match self.making.known(&key) {
-            Some(_) => Ok(String::new()),
-            None => export::picture(session, command, format).map_err(|error| error.to_string()),
-        };
         let density = ui.pixels_per_point();
-        let heard = svg.and_then(|svg| {
-            let width = LARGEST[0] * density / format.width() as f32;
-            self.making.want(&key, ui.ctx(), |_| move |_: &Watch| image(&svg, width))?;
-            self.making.hear(ui.ctx())
-        });
-        if let Err(line) = heard {
+        let begun = match self.making.known(&key).is_some() || self.making.is_underway() {
+            true => Ok(()),
+            false => self.begin(&key, ui, session, density),
+        };
+        if let Err(line) = begun.and_then(|()| self.making.hear(ui.ctx())) {
             ui.colored_label(ui.visuals().warn_fg_color, line);
             return;
         }
@@ -64,6 +59,13 @@ impl Preview {
         if let Some(millimetres) = format.millimetres() {
             ui.small(format!("{millimetres:.0} × {:.0} mm", millimetres * height / width));
         }
+    }
+
+    fn begin(&mut self, key: &Key, ui: &Ui, session: &Session, density: f32) -> Result<(), String> {
+        let (command, format, _) = key;
+        let svg = export::picture(session, *command, format).map_err(|error| error.to_string())?;
+        let width = LARGEST[0] * density / format.width() as f32;
+        self.making.want(key, ui.ctx(), |_| move |_: &Watch| image(&svg, width))
     }
 
     /// Forgets what was shown, once the question is gone.
