@@ -6,9 +6,7 @@ use super::Session;
 use super::plots::Tab;
 use super::view::{Scaling, Stage};
 use crate::app::worker::Order;
-use crate::app::worker::look::{
-    Against, Brightest, Cloud, CloudAsk, Light, Look, Of, Pane, Pin, PinSample, Shown, State,
-};
+use crate::app::worker::look::{Brightest, Cloud, CloudAsk, Light, Look, Of, Pane, Pin, PinSample, Shown, State};
 use crate::study::expectation::Expectation;
 
 /// The part of the largest glyphs that may be cut off by their cells on a linear scale.
