@@ -91,6 +91,7 @@ pub struct Session {
 impl Session {
     /// A session on a preset, with its file if it has one.
     pub fn new(ctx: &Context, preset: Preset, path: Option<PathBuf>, settings: Settings) -> std::io::Result<Self> {
+        let guide = guide::of_preset(&preset);
         let mut session = Session {
             run: Run::new(ctx, preset.clone(), settings.budget())?,
             document: Document::new(preset, path),
@@ -102,7 +103,7 @@ impl Session {
             tool: Tool::default(),
             selected: None,
             placing: None,
-            guide: None,
+            guide,
             notice: None,
             messages: Vec::new(),
         };
