@@ -16,7 +16,6 @@ const LARGEST: [f32; 2] = [420.0, 260.0];
 type Key = (Command, Format, u64);
 
 /// The preview's own state.
-#[derive(Debug)]
 pub struct Preview {
     making: Aside<Key, ColorImage>,
     drawn: Option<(Key, TextureHandle)>,
