@@ -18,7 +18,10 @@ fn errors_against_what_truly_arrives_are_computed_once_and_for_the_past_too() {
     choose(&mut harness, "Error metric", "ballistic");
     let measured = |harness: &Window| {
         let run = lab(harness).curves()[0].clone();
-        (run.curve(Expectation::Ballistic, None, |row| row.l1_ratio), run.fits)
+        (
+            run.curve(Expectation::Ballistic, None, |row| row.l1_ratio),
+            run.curve(Expectation::Ballistic, None, |row| row.l1_best_fit.unwrap()),
+        )
     };
     let (ratios, fits) = measured(&harness);
     let iterations: Vec<f64> = ratios.iter().map(|[k, _]| *k).collect();
@@ -49,6 +52,21 @@ fn a_factor_that_a_level_does_not_bear_is_warned_of_at_its_field() {
     harness.get_by_label_contains("above 4.33, the critical factor of level 0 (8³)");
     set_number(&mut harness, "Factor p", 3.0);
     assert!(harness.query_by_label_contains("critical factor of level").is_none());
+}
+
+#[test]
+fn light_that_will_diverge_is_foretold() {
+    let mut harness = window(SMALL);
+    set_number(&mut harness, "Factor p", 50.0);
+    click(&mut harness, "Run again");
+    for _ in 0..2000 {
+        harness.step();
+        if harness.query_by_label_contains("will overflow about iteration").is_some() {
+            return;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    panic!("it is not foretold");
 }
 
 #[test]

@@ -1,0 +1,115 @@
+//! Run time against error for the scene as it is: which scheme, how many iterations and which levels pay.
+
+use egui::{ComboBox, Ui};
+use egui_plot::{HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoints, Points};
+
+use super::rows::{legend_row, small_row};
+use crate::app::draw::axis::{decades, from_logarithm};
+use crate::app::draw::ink::color;
+use crate::app::panels::button::button;
+use crate::app::panels::field::name;
+use crate::app::session::Session;
+use crate::app::session::ask::{Ask, Asks};
+use crate::app::session::command::Command;
+use crate::app::session::pareto::{CHOICES, against, choice_name};
+use crate::report::colour::Theme;
+use crate::report::pareto_figure::{point, propagator_name, schemes};
+use crate::scene::propagation::Policy;
+use crate::study::pareto::{Row, Treatment, front};
+
+/// The treatments of the levels, the marks that tell them apart, and what the legend says.
+const TREATMENTS: [(Treatment, MarkerShape, &str); 4] = [
+    (Treatment::Uniform, MarkerShape::Circle, "⏺ finest level alone"),
+    (Treatment::Octree(Policy::Same), MarkerShape::Square, "⏹ one factor for all levels"),
+    (Treatment::Octree(Policy::Consistent), MarkerShape::Up, "⏶ consistent levels"),
+    (Treatment::Converged, MarkerShape::Cross, "✖ fixed point, solved for"),
+];
+
+/// The controls over the plot.
+pub fn controls(ui: &mut Ui, session: &Session, asks: &mut Asks) {
+    let mut plots = session.settings.plots.clone();
+    let choice = &mut plots.pareto;
+    let combo = ComboBox::from_id_salt("pareto reference").selected_text(choice_name(*choice)).width(188.0);
+    let combo = combo.show_ui(ui, |ui| {
+        for one in CHOICES {
+            ui.selectable_value(choice, one, choice_name(one));
+        }
+    });
+    name(&combo.response.on_hover_text("What errors are against"), "Error against");
+    asks.changed(&session.settings.plots, plots, |plots| Ask::Plots(Box::new(plots)));
+    match session.asides.pareto.share() {
+        Some(share) => {
+            let bar = egui::ProgressBar::new(share as f32).desired_width(120.0).show_percentage();
+            name(&ui.add(bar), "Progress of the measurement");
+            let cancel = ui.button("Cancel");
+            name(&cancel, "Cancel the measurement");
+            if cancel.clicked() {
+                asks.ask(Ask::CancelMeasurement);
+            }
+        }
+        None => button(ui, session, Command::Measure, asks),
+    }
+    if session.pareto_is_old() && !session.pareto_rows().is_empty() {
+        ui.colored_label(ui.visuals().warn_fg_color, "of an earlier run");
+    }
+}
+
+/// The plot.
+pub fn ui(ui: &mut Ui, session: &Session, theme: &Theme) {
+    let rows = against(session.pareto_rows(), session.settings.plots.pareto);
+    if rows.is_empty() {
+        let text = "Measure runs every scheme with 1 to 32 iterations on the scene of this run (the finest level \
+                    alone, one factor for all levels, and consistent levels), solves for its fixed point, and \
+                    sweeps with 24 to 200 ordinates.";
+        ui.weak(text);
+        return;
+    }
+    let schemes = schemes(&rows);
+    let named = schemes.iter().enumerate();
+    legend_row(ui, named.map(|(i, scheme)| (color(theme.curve(i)), (*scheme).to_owned())));
+    small_row(ui, |ui| {
+        for (_, _, text) in TREATMENTS {
+            ui.small(text);
+            ui.add_space(8.0);
+        }
+        ui.small("— what nothing beats in both");
+    });
+    let logged = |row: &Row| point(row).map(f64::log10);
+    let names: Vec<([f64; 2], String)> = rows.iter().map(|row| (logged(row), describe(row))).collect();
+    let plot = Plot::new("run time against error")
+        .x_axis_label("Run time (ms)")
+        .y_axis_label("L1 error, best fit")
+        .allow_scroll(false)
+        .grid_color(color(theme.grid))
+        .y_axis_min_width(44.0)
+        .x_grid_spacer(decades)
+        .y_grid_spacer(decades)
+        .x_axis_formatter(|mark, _| from_logarithm(mark.value))
+        .y_axis_formatter(|mark, _| from_logarithm(mark.value))
+        .label_formatter(move |position| {
+            let HoverPosition::NearDataPoint { position, .. } = position else { return None };
+            let here = |at: &[f64; 2]| *at == [position.x, position.y];
+            names.iter().find(|(at, _)| here(at)).map(|(_, name)| name.clone())
+        });
+    let response = plot.show(ui, |plot| {
+        let beaten: Vec<[f64; 2]> = front(&rows).into_iter().map(logged).collect();
+        let line = Line::new("what nothing beats", PlotPoints::new(beaten)).color(color(theme.ink)).width(1.2);
+        plot.line(line.style(LineStyle::Solid).allow_hover(false));
+        for (i, scheme) in schemes.iter().enumerate() {
+            for (treatment, shape, _) in TREATMENTS {
+                let is_ours = |row: &&&Row| row.propagator.scheme == *scheme && row.treatment == treatment;
+                let points: Vec<[f64; 2]> = rows.iter().filter(is_ours).map(|row| logged(row)).collect();
+                let points = Points::new(*scheme, PlotPoints::new(points)).shape(shape);
+                plot.points(points.radius(3.5).color(color(theme.curve(i))));
+            }
+        }
+    });
+    name(&response.response, "Run time against error");
+}
+
+/// What stands beside a point.
+fn describe(row: &Row) -> String {
+    let [milliseconds, error] = point(row);
+    let name = propagator_name(&row.propagator);
+    format!("{name}, k = {}, {}\n{milliseconds:.3} ms: L1 {error:.3e}", row.iterations, row.treatment.name())
+}
