@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use clap::Args;
 use indicatif::ProgressBar;
 
+use super::console::{self, say};
 use super::output::Folder;
 use super::{CliError, SceneArgs};
 use crate::report::colour::Theme;
@@ -101,7 +102,7 @@ pub fn run(args: &BenchArgs) -> Result<(), CliError> {
     if !scenes.is_empty() {
         team::inside(|| super::pareto::run(&scenes, rounds, &folder))?;
     }
-    println!("\n{}", folder.path().display());
+    say!("\n{}", folder.path().display());
     Ok(())
 }
 
@@ -141,8 +142,8 @@ fn kernels(args: &BenchArgs, folder: &Folder) -> Result<(), CliError> {
     bar.finish_and_clear();
 
     let table = table(&rows);
-    print!("{}", table.to_text());
-    println!("\ntriad_fraction counts {} bytes a cell and iteration", benchmark::BYTES_PER_CELL);
+    console::print(format_args!("{}", table.to_text()));
+    say!("\ntriad_fraction counts {} bytes a cell and iteration", benchmark::BYTES_PER_CELL);
     for pool in &pools {
         print_pipeline(&pool.install(|| Pipeline::measure(101))?);
     }
@@ -185,12 +186,12 @@ fn table(rows: &[KernelRow]) -> Table<9> {
 fn print_pipeline(pipeline: &Pipeline) {
     let Pipeline { threads, channels, stages, bytes } = pipeline;
     let stages: Vec<String> = stages.iter().map(|(name, seconds)| format!("{name} {:.3} ms", 1e3 * seconds)).collect();
-    println!(
+    say!(
         "\nThe thesis's setting (n = 32, four iterations, {channels} channels) on {threads} threads: {}",
         stages.join(", ")
     );
     let milliseconds = 1e3 * pipeline.propagation();
-    println!(
+    say!(
         "Propagation takes 1/{:.1} of the thesis's {THESIS_MILLISECONDS} ms; light and marks take {:.2} MB",
         THESIS_MILLISECONDS / milliseconds,
         *bytes as f64 / 1e6
@@ -203,8 +204,8 @@ fn print_fading(Fading { computed, skipped }: &Fading) {
         let (first, last) = (hundreds.first().copied().unwrap_or(0.0), hundreds.last().copied().unwrap_or(0.0));
         format!("{first:.3} ns a cell in the first hundred, {last:.3} in the last, {slowest:.3} in the slowest")
     };
-    println!("\nOne wall fading for 2000 iterations (n = 32, p = 3, one thread): {}", line(computed));
-    println!("The same with skipping: {}", line(skipped));
+    say!("\nOne wall fading for 2000 iterations (n = 32, p = 3, one thread): {}", line(computed));
+    say!("The same with skipping: {}", line(skipped));
 }
 
 /// Time over size of every loop that works on a whole level, cascaded scheme, a plot for each number of threads.

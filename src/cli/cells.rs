@@ -1,15 +1,14 @@
 //! `cells`: the light of every cell that is not dark, as the numbers that they are.
 
-use std::fs::File;
-use std::io::{BufWriter, ErrorKind, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use super::{CliError, SceneArgs};
+use super::{CliError, SceneArgs, console};
 use crate::field::{Grid, Share};
 use crate::scene::cell_file;
 use crate::simulation::Simulation;
+use crate::system::file::{check_target, write_whole_with};
 
 /// What to print, and where.
 #[derive(Args, Debug)]
@@ -72,9 +71,32 @@ pub enum ChannelArg {
     B,
 }
 
+/// How the cells are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Csv,
+    Npy,
+}
+
+impl Format {
+    /// The form that a file's name asks for.
+    fn of(path: &Path) -> Result<Self, CliError> {
+        match path.extension().and_then(|e| e.to_str()) {
+            Some("npy") => Ok(Format::Npy),
+            Some("csv") => Ok(Format::Csv),
+            _ => Err(CliError::Input(format!("{}: the file must end in .csv or .npy", path.display()))),
+        }
+    }
+}
+
 /// Does the command.
 pub fn run(args: &CellsArgs) -> Result<(), CliError> {
+    // What cannot be written is told before the work.
+    let out = args.out.as_deref().map(|path| Format::of(path).map(|format| (path, format))).transpose()?;
     let (_, scene) = args.scene.load()?;
+    if let Some((path, _)) = out {
+        check_target(path).map_err(|e| CliError::Failed(e.to_string()))?;
+    }
     let mut simulation = Simulation::<f32>::new(scene)?;
     args.level.check(simulation.sizes().count())?;
     simulation.run(|_| true);
@@ -93,30 +115,17 @@ pub fn run(args: &CellsArgs) -> Result<(), CliError> {
         .map(|grid| scaled(grid, share))
         .ok_or_else(|| CliError::Failed("the run ended before the levels were merged".to_owned()))?;
 
-    let Some(path) = &args.out else {
-        let mut out = BufWriter::new(std::io::stdout().lock());
-        let written = cell_file::write_csv(&mut out, source.as_ref(), &accumulated).and_then(|()| out.flush());
-        return match written {
-            // Whoever reads may stop early, as `head` does.
-            Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(()),
-            written => written.map_err(|e| CliError::Failed(format!("cannot write to the terminal: {e}"))),
-        };
-    };
-    let npy = match path.extension().and_then(|e| e.to_str()) {
-        Some("npy") => true,
-        Some("csv") => false,
-        _ => return Err(CliError::Input(format!("{}: the file must end in .csv or .npy", path.display()))),
-    };
-    let write = || {
-        let mut out = BufWriter::new(File::create(path)?);
-        if npy {
-            cell_file::write_npy(&mut out, &accumulated)?;
-        } else {
-            cell_file::write_csv(&mut out, source.as_ref(), &accumulated)?;
+    let written = match out {
+        None => {
+            console::stream(|out| cell_file::write_csv(out, source.as_ref(), &accumulated));
+            Ok(())
         }
-        out.flush()
+        Some((path, Format::Csv)) => {
+            write_whole_with(path, |out| cell_file::write_csv(out, source.as_ref(), &accumulated))
+        }
+        Some((path, Format::Npy)) => write_whole_with(path, |out| cell_file::write_npy(out, &accumulated)),
     };
-    write().map_err(|e: std::io::Error| CliError::cannot_write(path, e))
+    written.map_err(|e| CliError::Failed(e.to_string()))
 }
 
 /// A colour's light in a channel's grid.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
+use super::console::{self, say};
 use super::output::Folder;
 use super::{CliError, SceneArgs};
 use crate::report::table::{Table, Value};
@@ -67,7 +68,7 @@ pub fn run(args: &CompareArgs) -> Result<(), CliError> {
         };
         let (document, scene) = scene_args.load()?;
         let gap = if i == 0 { "" } else { "\n" };
-        println!(
+        say!(
             "{gap}{}: {}³, p = {}, k = {}, against {}",
             if document.title.is_empty() { scene_args.stem() } else { document.title },
             scene.size,
@@ -82,7 +83,7 @@ pub fn run(args: &CompareArgs) -> Result<(), CliError> {
             table.push(text_row(&finding));
             csv.push(csv_row(&scene_args.stem(), &scene, reference, &finding));
         }
-        print!("{}", table.to_text());
+        console::print(format_args!("{}", table.to_text()));
     }
     if let Some(folder) = folder {
         let mut bytes = Vec::new();

@@ -6,11 +6,13 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::CliError;
+use super::console::say;
 use crate::scene::Scene;
 use crate::simulation::Simulation;
 use crate::study::ballistic::{self, Ballistic};
 use crate::study::error::{self, ErrorRow};
 use crate::study::reference;
+use crate::system::interrupt;
 
 /// What a run was found to do.
 pub struct Course {
@@ -18,6 +20,8 @@ pub struct Course {
     pub rows: Vec<ErrorRow>,
     /// Seconds that all actions took, measuring aside.
     pub seconds: f64,
+    /// Whether Ctrl-C ended it early.
+    pub interrupted: bool,
 }
 
 /// Computes what truly arrives in a scene, with a bar on a terminal.
@@ -25,10 +29,10 @@ pub fn truth(scene: &Scene) -> Result<Ballistic, CliError> {
     let bar = bar(1000, "{bar:40} {percent} % of the straight lines, {eta} left");
     let truth = Ballistic::new(scene, &|done| {
         bar.set_position((done * 1000.0) as u64);
-        true
+        !interrupt::asked()
     })?;
     bar.finish_and_clear();
-    truth.ok_or_else(|| CliError::Failed("the straight lines were given up".to_owned()))
+    truth.ok_or_else(|| CliError::Interrupted("interrupted before the run began: nothing is written".to_owned()))
 }
 
 /// Runs the scene, printing a line for every iteration. Errors are those of the octree against itself and
@@ -36,25 +40,26 @@ pub fn truth(scene: &Scene) -> Result<Ballistic, CliError> {
 pub fn run(simulation: &mut Simulation<f32>, truth: Option<&Ballistic>) -> Result<Course, CliError> {
     let iterations = simulation.scene().propagation.iterations;
     let bar = bar(iterations as u64, "{bar:40} iteration {pos} of {len}, {eta} left");
-    println!("{}", LINE_HEAD);
+    say!("{}", LINE_HEAD);
     let (mut rows, mut aside, mut failed) = (Vec::new(), 0.0, None);
     let started = Instant::now();
     simulation.run(|now| {
         let began = Instant::now();
         match measure(now, truth) {
             Ok(errors) => {
-                bar.suspend(|| println!("{}", line(now, &errors[0])));
+                bar.suspend(|| say!("{}", line(now, &errors[0])));
                 rows.extend(errors);
             }
             Err(error) => failed = Some(error),
         }
         bar.set_position(now.iteration() as u64);
         aside += began.elapsed().as_secs_f64();
-        failed.is_none()
+        failed.is_none() && !interrupt::asked()
     });
     bar.finish_and_clear();
     let seconds = started.elapsed().as_secs_f64() - aside;
-    failed.map_or(Ok(Course { rows, seconds }), Err)
+    let interrupted = interrupt::asked() && simulation.iteration() < iterations;
+    failed.map_or(Ok(Course { rows, seconds, interrupted }), Err)
 }
 
 /// Every metric of the present iteration, the thesis's over all levels first.

@@ -5,6 +5,7 @@ use std::io::IsTerminal;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::CliError;
+use super::console::{self, say};
 use super::output::Folder;
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
@@ -39,8 +40,8 @@ pub fn run(scenes: &[(String, Scene)], rounds: usize, folder: &Folder) -> Result
     folder.write_table("pareto.csv", &table::pareto(&all))?;
     for kind in kinds(&rows) {
         let Kind { preset, size, reference } = kind;
-        println!("\nThe fastest way to each error, {preset}, n = {size}, against {reference}:");
-        print!("{}", table::pareto(&pareto::front(&of_kind(&rows, kind))).to_text());
+        say!("\nThe fastest way to each error, {preset}, n = {size}, against {reference}:");
+        console::print(format_args!("{}", table::pareto(&pareto::front(&of_kind(&rows, kind))).to_text()));
     }
     folder.write_svg_and_png("pareto", &figure(&rows).to_svg())
 }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use indicatif::ProgressBar;
 
+use super::console::say;
 use super::output::Folder;
 use super::{CliError, SceneArgs};
 use crate::report::colour::Theme;
@@ -74,13 +75,13 @@ pub fn run(args: &StabilityArgs) -> Result<(), CliError> {
         print_outlook(&scene.load()?.1);
     }
     let critical = critical_factors(&args.sizes);
-    println!("Critical factors: above them light grows without bound\n\n{}", critical.to_text());
+    say!("Critical factors: above them light grows without bound\n\n{}", critical.to_text());
     let drifts = long_runs(args)?;
     let drift = drift_table(&drifts);
-    println!("Single precision against double, relative\n\n{}", last_rows(&drifts).to_text());
+    say!("Single precision against double, relative\n\n{}", last_rows(&drifts).to_text());
     let outcome = random_scenes(args);
     let rules = rules_table(&outcome);
-    println!(
+    say!(
         "Random scenes of seed {}: {} scenes, {} iterations, {} stopped before they overflowed\n\n{}",
         args.seed,
         outcome.scenes,
@@ -93,7 +94,7 @@ pub fn run(args: &StabilityArgs) -> Result<(), CliError> {
         folder.write_table("drift.csv", &drift)?;
         folder.write_table("rules.csv", &rules)?;
         folder.write_svg_and_png("drift", &drift_figure(args, &drifts).to_svg())?;
-        println!("Results in {}", folder.path().display());
+        say!("Results in {}", folder.path().display());
     }
     save_findings(args.seed, &outcome, folder.as_ref().map_or(Path::new(""), Folder::path))
 }
@@ -124,7 +125,7 @@ fn save_findings(seed: u64, outcome: &Outcome, folder: &Path) -> Result<(), CliE
     for finding in &outcome.findings {
         let path = folder.join(format!("broken-{seed}-{}.ron", finding.scene));
         finding.preset.save(&path).map_err(|e| CliError::Failed(e.to_string()))?;
-        println!("{}: {}", path.display(), finding.broken);
+        say!("{}: {}", path.display(), finding.broken);
     }
     match outcome.findings.len() {
         0 => Ok(()),
@@ -135,7 +136,7 @@ fn save_findings(seed: u64, outcome: &Outcome, folder: &Path) -> Result<(), CliE
 /// What becomes of every level of a scene.
 fn print_outlook(scene: &Scene) {
     if scene.propagation.scheme == ordinates::NAME {
-        println!("ordinates have no critical factor: light leaves the volume within {} iterations", 3 * scene.size - 2);
+        say!("ordinates have no critical factor: light leaves the volume within {} iterations", 3 * scene.size - 2);
         return;
     }
     let mut table = Table::new(["level", "side", "critical factor", "growth an iteration", "overflow about iteration"]);
@@ -145,7 +146,7 @@ fn print_outlook(scene: &Scene) {
         table.push([level.level.into(), level.side.into(), level.critical.into(), level.growth.into(), overflow]);
     }
     let propagation = &scene.propagation;
-    println!("{} at factor {}\n\n{}", propagation.scheme, propagation.factor, table.to_text());
+    say!("{} at factor {}\n\n{}", propagation.scheme, propagation.factor, table.to_text());
 }
 
 /// Every scheme at every size, with the gains it has and the factors it bears.

@@ -10,9 +10,9 @@ use std::path::Path;
 use npyz::{DType, WriterBuilder};
 
 use super::error::{SceneError, quote};
-use super::file;
 use crate::field::{Cell, Grid, Layout};
 use crate::sh::Sh;
+use crate::system::file;
 
 /// The longest header that is read, in bytes; that of a plain array takes 118.
 const LONGEST_HEADER: usize = 4096;

@@ -7,8 +7,8 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use super::error::{SceneError, quote};
-use super::file;
 use crate::field::Cell;
+use crate::system::file;
 
 /// The longest line, in bytes: eleven numbers of any usual form fit several times over.
 const LONGEST_LINE: u64 = 1024;
