@@ -5,14 +5,14 @@ use std::sync::Arc;
 
 use egui::Context;
 
-use super::closing::Next;
-use super::command::{self, Command};
-use super::errors::Tab;
-use super::files::Purpose;
-use super::lab::Lab;
-use super::look::{Against, CloudAsk, Light, Look, Of, Pane, State};
-use super::view::Stage;
-use super::worker::{News, Order};
+use crate::app::files::dialog::Purpose;
+use crate::app::lab::Lab;
+use crate::app::panels::closing::Next;
+use crate::app::panels::errors::Tab;
+use crate::app::session::command::{self, Command};
+use crate::app::session::view::Stage;
+use crate::app::worker::look::{Against, CloudAsk, Light, Look, Of, Pane, State};
+use crate::app::worker::{News, Order};
 use crate::simulation::Action;
 use crate::study::error::Metric;
 

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvError, Sender, TryRecvError};
 use std::time::{Duration, Instant};
 
-use super::ledger::Ledger;
-use super::{Load, News, Order, Progress, Start};
-use crate::app::cut;
-use crate::app::look::{Look, Pin};
-use crate::app::track::{Measured, Track};
+use crate::app::worker::cut;
+use crate::app::worker::ledger::Ledger;
+use crate::app::worker::look::{Look, Pin};
+use crate::app::worker::track::{Measured, Track};
+use crate::app::worker::{Load, News, Order, Progress, Start};
 use crate::scene::Scene;
 use crate::simulation::{Action, Change};
 use crate::study::ballistic::Ballistic;
