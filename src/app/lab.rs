@@ -26,9 +26,10 @@ use crate::app::session::view::View;
 use crate::app::worker::look::{Cloud, Look, Pin, PinSample, Shown};
 use crate::app::worker::{Load, Order, Progress, Start, Worker};
 use crate::field::Levels;
-use crate::scene::{Preset, Scene};
+use crate::scene::{Preset, Problem};
 use crate::simulation::Change;
 use crate::study::error::Metric;
+use crate::transport::preset;
 
 /// A line at the window's foot.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,7 +54,7 @@ pub struct Lab {
     /// What ran beside the preset's own propagator.
     pub(super) others: Vec<Rival>,
     /// The scene that runs, once the worker has it.
-    pub(super) scene: Option<Arc<Scene>>,
+    pub(super) problem: Option<Arc<Problem>>,
     pub(super) truth: Truth,
     pub(super) profiles: Profiles,
     pub(super) pareto: Pareto,
@@ -114,7 +115,7 @@ impl Lab {
             document: Document::new(preset, path),
             home: None,
             recovery: None,
-            scene: None,
+            problem: None,
             truth: Truth::default(),
             profiles: Profiles::default(),
             pareto: Pareto::default(),
@@ -227,13 +228,13 @@ impl Lab {
 
     /// Hands the document to the worker.
     pub(super) fn load(&mut self, start: Start) {
-        if let Err(problem) = self.document.preset.check() {
-            self.fail(problem.to_string());
+        if let Err(fault) = preset::check(&self.document.preset) {
+            self.fail(fault.to_string());
             return;
         }
         self.ran = self.document.preset.clone();
         self.others.clone_from(&self.comparison.others);
-        self.scene = None;
+        self.problem = None;
         let own = Rival::Propagator(self.document.preset.propagation.clone());
         let tracks = std::iter::once(&own).chain(&self.others).filter(|rival| rival.runs());
         let runs = tracks.zip(self.kept.len()..).map(|(rival, color)| Run::new(rival.describe(), color));
@@ -271,7 +272,7 @@ impl Lab {
 
     /// Opens a preset, or tells why it cannot be.
     pub fn open(&mut self, path: &Path) {
-        match Preset::load(path) {
+        match preset::read(path) {
             Ok(preset) => self.take(Document::new(preset, Some(path.to_path_buf()))),
             Err(error) => self.fail(error.to_string()),
         }

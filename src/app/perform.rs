@@ -24,7 +24,7 @@ impl Lab {
             Command::Back | Command::First => self.seen() > self.progress.oldest,
             Command::Forward | Command::Last => self.at.is_some(),
             Command::Restart => self.at.is_some_and(|k| k < self.progress.iteration),
-            Command::Measure => self.scene.is_some() && !self.pareto.is_underway(),
+            Command::Measure => self.problem.is_some() && !self.pareto.is_underway(),
             Command::KeepRun => self.runs.iter().any(|run| !run.rows.is_empty()),
             _ => true,
         }

@@ -20,11 +20,11 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use crate::app::panels::compare::Rival;
 use crate::app::worker::look::{Cloud, Look, Pin, PinSample, Shown};
 use crate::app::worker::track::Measured;
-use crate::scene::{Preset, Scene};
+use crate::scene::{Preset, Problem};
 use crate::simulation::options::Work;
 use crate::simulation::{Action, Change};
-use crate::study::ballistic::Ballistic;
 use crate::study::error::Metric;
+use crate::transport::ballistic::Ballistic;
 
 /// What a newly loaded scene is to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -116,7 +116,7 @@ pub struct Progress {
 #[derive(Clone, Debug)]
 pub enum News {
     /// The scene that is run from now on.
-    Loaded(Arc<Scene>),
+    Loaded(Arc<Problem>),
     /// An action is done. What was measured of later iterations no longer holds, nor does what was measured of the
     /// present one if its light changed.
     Done {

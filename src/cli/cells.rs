@@ -93,11 +93,11 @@ impl Format {
 pub fn run(args: &CellsArgs) -> Result<(), CliError> {
     // What cannot be written is told before the work.
     let out = args.out.as_deref().map(|path| Format::of(path).map(|format| (path, format))).transpose()?;
-    let (_, scene) = args.scene.load()?;
+    let (_, problem) = args.scene.load()?;
     if let Some((path, _)) = out {
         check_target(path).map_err(|e| CliError::Failed(e.to_string()))?;
     }
-    let mut simulation = Simulation::<f32>::new(scene)?;
+    let mut simulation = Simulation::<f32>::new(problem)?;
     args.level.check(simulation.sizes().count())?;
     simulation.run(|_| true);
     if let Some(divergence) = simulation.divergence() {

@@ -6,11 +6,12 @@ use clap::Args;
 
 use super::CliError;
 use super::numbers::{decimal, whole};
-use crate::scene::ordinates::Rule;
 use crate::scene::preset::LONGEST;
 use crate::scene::propagation::Policy;
-use crate::scene::{Preset, Scene, builtin, file};
+use crate::scene::propagation::ordinates::Rule;
+use crate::scene::{Preset, Problem, builtin, file};
 use crate::system::text::{nearest, shortened};
+use crate::transport::preset;
 
 /// A preset and what is to be different from what it says.
 #[derive(Args, Debug, Clone, Default)]
@@ -45,7 +46,7 @@ pub struct SceneArgs {
 
 impl SceneArgs {
     /// The preset as changed by the other arguments, and the scene it makes.
-    pub fn load(&self) -> Result<(Preset, Scene), CliError> {
+    pub fn load(&self) -> Result<(Preset, Problem), CliError> {
         let Opened { mut preset, text, folder, .. } = open(&self.preset)?;
         let propagation = &mut preset.propagation;
         if let Some(iterations) = self.iterations {
@@ -72,10 +73,10 @@ impl SceneArgs {
         if let Some(coarsest) = self.coarsest {
             preset.coarsest = coarsest;
         }
-        // What the file says was right when it was opened, so a problem here is the command line's.
-        preset.check().map_err(|problem| CliError::Input(format!("the command line: {problem}")))?;
-        let scene = Scene::build(&preset, &folder).map_err(|error| error.at_its_place(&text, &self.preset))?;
-        Ok((preset, scene))
+        // What the file says was right when it was opened, so a fault here is the command line's.
+        preset::check(&preset).map_err(|fault| CliError::Input(format!("the command line: {fault}")))?;
+        let problem = Problem::build(&preset, &folder).map_err(|error| error.at_its_place(&text, &self.preset))?;
+        Ok((preset, problem))
     }
 
     /// A name for what the preset makes: its file name without the ending.
@@ -114,7 +115,7 @@ pub fn open(path: &Path) -> Result<Opened, CliError> {
     let there = path.exists();
     let built_in = path.to_str().and_then(builtin::find);
     if let Some(text) = built_in.filter(|_| !there || path.is_dir()) {
-        let preset = Preset::parse(text, path)?;
+        let preset = preset::parse(text, path)?;
         let folder =
             builtin::folder_of(text).map_err(|e| CliError::Failed(format!("the built-in preset's files: {e}")))?;
         return Ok(Opened { preset, text: text.to_owned(), file: None, folder });
@@ -123,7 +124,7 @@ pub fn open(path: &Path) -> Result<Opened, CliError> {
         return Err(CliError::Input(meant));
     }
     let text = file::read_text(path, LONGEST)?;
-    let preset = Preset::parse(&text, path)?;
+    let preset = preset::parse(&text, path)?;
     let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
     Ok(Opened { preset, text, file: Some(path.to_path_buf()), folder })
 }

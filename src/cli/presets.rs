@@ -6,8 +6,9 @@ use clap::Args;
 
 use super::CliError;
 use super::console::say;
-use crate::scene::{Preset, builtin};
+use crate::scene::builtin;
 use crate::system::file::write_whole;
+use crate::transport::preset;
 
 /// Where to write them, if anywhere.
 #[derive(Args, Debug)]
@@ -23,7 +24,7 @@ pub fn run(args: &PresetsArgs) -> Result<(), CliError> {
     let Some(folder) = &args.out else {
         let width = builtin::PRESETS.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
         for (name, text) in builtin::PRESETS {
-            let preset = Preset::parse(text, Path::new(name))?;
+            let preset = preset::parse(text, Path::new(name))?;
             say!("{name:width$}  {:>3}³  {}", preset.size, preset.title);
         }
         return Ok(());

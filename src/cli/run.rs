@@ -184,17 +184,17 @@ struct Summary<'a> {
 
 /// Does the command.
 pub fn run(args: &RunArgs) -> Result<(), CliError> {
-    let (preset, scene) = args.scene.load()?;
-    let plane = plane(args.slice, scene.size, |axis| scene.brightest_slab(axis))?;
-    if let Some(warning) = outlook::warning(&scene) {
+    let (preset, problem) = args.scene.load()?;
+    let plane = plane(args.slice, problem.size, |axis| problem.brightest_slab(axis))?;
+    if let Some(warning) = outlook::warning(&problem) {
         remark!("warning: {warning}");
     }
-    let mut simulation = Simulation::<f32>::with_options(scene, args.options()?)?;
+    let mut simulation = Simulation::<f32>::with_options(problem, args.options()?)?;
     LevelArg::Level(args.level).check(simulation.sizes().count())?;
     let folder = Folder::of_preset(args.out.as_deref(), &args.scene.preset)?;
     interrupt::listen();
-    let truth = if args.ballistic { Some(course::truth(simulation.scene())?) } else { None };
-    let Course { rows, seconds, interrupted } = course::run(&mut simulation, truth.as_ref())?;
+    let truth = if args.ballistic { Some(course::truth(simulation.problem())?) } else { None };
+    let Course { rows, seconds, interrupted } = course::run(&mut simulation, truth.as_ref());
 
     let title = if preset.title.is_empty() { args.scene.stem() } else { preset.title.clone() };
     folder.write_table("errors.csv", &table::errors(&rows))?;
@@ -214,7 +214,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         folder.write_svg_and_png(&name, &picture(args, &simulation, &title, view, plane))?;
     }
 
-    let propagation = &simulation.scene().propagation;
+    let propagation = &simulation.problem().propagation;
     let thesis = all_levels.iter().rev().find(|row| row.metric == Metric::Thesis);
     let summary = Summary {
         title: &title,
@@ -256,7 +256,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         return Err(divergence.into());
     }
     if interrupted {
-        let (done, asked) = (simulation.iteration(), simulation.scene().propagation.iterations);
+        let (done, asked) = (simulation.iteration(), simulation.problem().propagation.iterations);
         let what = format!("interrupted after iteration {done} of {asked}: what was computed is in {}", path.display());
         return Err(CliError::Interrupted(what));
     }
@@ -294,7 +294,7 @@ fn picture(args: &RunArgs, simulation: &Simulation<f32>, title: &str, view: Leve
     let names = [format!("Source, S_{k}"), target, "Accumulated, S_A".to_owned()];
     let decades = (args.glyphs == ScaleArg::Log).then_some(GLYPH_DECADES);
     let panels = names.iter().zip(&slices).map(|(name, slice)| Panel::fitted(name, slice, Hue::Mean, decades));
-    let propagation = &simulation.scene().propagation;
+    let propagation = &simulation.problem().propagation;
     let what = match view {
         LevelArg::Level(i) => format!("level {i}"),
         LevelArg::Merged => "all levels merged".to_owned(),

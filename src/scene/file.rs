@@ -4,7 +4,7 @@
 use std::fs::File;
 use std::path::{Component, Path, PathBuf};
 
-use super::error::{Problem, SceneError};
+use super::error::{Fault, SceneError};
 use crate::system::file::{self, FileError};
 
 /// A text file's contents, at most `limit` bytes of them.
@@ -24,17 +24,17 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), SceneError> {
 }
 
 /// Where a file lies that a preset in `folder` names; it must be there and readable.
-pub(super) fn inside(folder: &Path, path: &Path) -> Result<PathBuf, Problem> {
+pub(super) fn inside(folder: &Path, path: &Path) -> Result<PathBuf, Fault> {
     check_relative(path)?;
     let found = folder.join(path);
     let opened =
         file::length(&found).and_then(|_| File::open(&found).map_err(|error| FileError::from_system(&found, &error)));
-    opened.map_err(|error| Problem::new(format!("`{}`: {}", found.display(), error.what), error.remedy))?;
+    opened.map_err(|error| Fault::new(format!("`{}`: {}", found.display(), error.what), error.remedy))?;
     Ok(found)
 }
 
 /// Checks that a path stays in its preset's folder.
-pub(super) fn check_relative(path: &Path) -> Result<(), Problem> {
+pub(super) fn check_relative(path: &Path) -> Result<(), Fault> {
     let remedy = "put the file beside the preset and give its path from there, such as `cells/ring.csv`";
     let mut depth = 0;
     for component in path.components() {
@@ -44,11 +44,11 @@ pub(super) fn check_relative(path: &Path) -> Result<(), Problem> {
             Component::ParentDir if depth > 0 => depth -= 1,
             Component::ParentDir | Component::RootDir | Component::Prefix(_) => {
                 let what = format!("`{}` leads out of the preset's folder", path.display());
-                return Err(Problem::new(what, remedy));
+                return Err(Fault::new(what, remedy));
             }
         }
     }
-    if depth == 0 { Err(Problem::new("the path names no file", remedy)) } else { Ok(()) }
+    if depth == 0 { Err(Fault::new("the path names no file", remedy)) } else { Ok(()) }
 }
 
 #[cfg(test)]

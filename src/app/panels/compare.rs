@@ -8,7 +8,7 @@ use crate::app::panels::controls::{self, name};
 use crate::app::session::critical::warning;
 use crate::app::worker::look::{Light, Of, Pane, State};
 use crate::scene::propagation::Policy;
-use crate::scene::{Propagation, Scene};
+use crate::scene::{Problem, Propagation};
 use crate::transport;
 
 /// The most propagators that are compared, the document's own among them.
@@ -37,10 +37,10 @@ pub enum Rival {
 
 impl Rival {
     /// What is simulated for it; nothing for what truly arrives.
-    pub fn scene(&self, own: &Scene) -> Option<Scene> {
+    pub fn problem(&self, own: &Problem) -> Option<Problem> {
         match self {
-            Rival::Propagator(propagation) => Some(Scene { propagation: propagation.clone(), ..own.clone() }),
-            Rival::Uniform => Some(Scene { coarsest: own.size, ..own.clone() }),
+            Rival::Propagator(propagation) => Some(Problem { propagation: propagation.clone(), ..own.clone() }),
+            Rival::Uniform => Some(Problem { coarsest: own.size, ..own.clone() }),
             Rival::Ballistic => None,
         }
     }

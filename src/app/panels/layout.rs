@@ -10,6 +10,7 @@ use crate::app::session::command::Command;
 use crate::app::session::view::Stage;
 use crate::app::worker::look::Layer;
 use crate::scene::builtin;
+use crate::transport::preset;
 
 /// The height from which the plots have a size of their own, in points.
 const TALL: f32 = 950.0;
@@ -85,14 +86,14 @@ impl Lab {
 
     /// Says that the results are of another scene, and offers to run again.
     fn stale_banner(&mut self, ui: &mut Ui) {
-        let problem = self.document.preset.check().err().map(|problem| problem.to_string());
-        if problem.is_none() && !self.is_stale() {
+        let fault = preset::check(&self.document.preset).err().map(|fault| fault.to_string());
+        if fault.is_none() && !self.is_stale() {
             return;
         }
         Frame::group(ui.style()).fill(ui.visuals().faint_bg_color).show(ui, |ui| {
             ui.set_width(ui.available_width());
-            if let Some(problem) = problem {
-                ui.colored_label(ui.visuals().error_fg_color, problem);
+            if let Some(fault) = fault {
+                ui.colored_label(ui.visuals().error_fg_color, fault);
                 return;
             }
             ui.label(RichText::new("The scene was edited after this run.").color(ui.visuals().warn_fg_color));

@@ -20,7 +20,7 @@ use crate::report::glyph::Hue;
 use crate::report::plot::{Curve, Dash, Figure, Mark, Plot as PaperPlot};
 use crate::report::slice::Axis;
 use crate::report::table::{Table, Value};
-use crate::scene::Scene;
+use crate::scene::Problem;
 use crate::scene::propagation::Policy;
 use crate::study::profile::{Line, Policies};
 
@@ -45,7 +45,7 @@ impl Default for LineChoice {
 /// The scene under each policy, as far as it is computed.
 #[derive(Debug, Default)]
 pub struct Profiles {
-    of: Option<Arc<Scene>>,
+    of: Option<Arc<Problem>>,
     /// With the iteration that was asked for; light that diverges ends before it.
     known: Option<(usize, Arc<Policies>)>,
     underway: Option<(usize, Errand<Policies>)>,
@@ -59,20 +59,20 @@ impl Profiles {
     }
 
     /// Has them computed for `iteration`, going on from what is known where it can.
-    fn seek(&mut self, scene: &Arc<Scene>, iteration: usize, ctx: &Context) -> std::io::Result<()> {
-        if !self.of.as_ref().is_some_and(|of| Arc::ptr_eq(of, scene)) {
-            *self = Profiles { of: Some(Arc::clone(scene)), ..Profiles::default() };
+    fn seek(&mut self, problem: &Arc<Problem>, iteration: usize, ctx: &Context) -> std::io::Result<()> {
+        if !self.of.as_ref().is_some_and(|of| Arc::ptr_eq(of, problem)) {
+            *self = Profiles { of: Some(Arc::clone(problem)), ..Profiles::default() };
         }
         let known = self.known.as_ref().map(|(asked, _)| *asked);
         if self.underway.is_some() || self.given_up || known == Some(iteration) {
             return Ok(());
         }
         let start = self.known.as_ref().filter(|(asked, _)| *asked < iteration).map(|(_, known)| Arc::clone(known));
-        let scene = Arc::clone(scene);
+        let problem = Arc::clone(problem);
         let errand = Errand::start("line of cells", ctx, move |watch| {
             let mut policies = match start {
                 Some(start) => Arc::unwrap_or_clone(start),
-                None => Policies::new(&scene).map_err(|error| error.to_string())?,
+                None => Policies::new(&problem).map_err(|error| error.to_string())?,
             };
             policies.advance(iteration, |k| watch.go_on(k as f64 / iteration.max(1) as f64));
             Ok(policies)
@@ -210,8 +210,8 @@ impl Lab {
             return;
         }
         let seen = self.seen();
-        if let Some(scene) = &self.scene
-            && let Err(error) = self.profiles.seek(scene, seen, ctx)
+        if let Some(problem) = &self.problem
+            && let Err(error) = self.profiles.seek(problem, seen, ctx)
         {
             self.profiles.given_up = true;
             self.fail(format!("no thread for the line of cells: {error}"));

@@ -17,10 +17,10 @@ use crate::app::session::errand::Errand;
 use crate::app::session::format::Format;
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot as PaperPlot};
-use crate::scene::Scene;
-use crate::study::ballistic::Ballistic;
+use crate::scene::Problem;
 use crate::study::pareto::{Row, front, measure, measure_against};
 use crate::transport;
+use crate::transport::ballistic::Ballistic;
 use crate::transport::ordinates;
 
 /// Rounds over all ways; medians are shown.
@@ -62,7 +62,7 @@ impl ParetoChoice {
 /// What was measured.
 #[derive(Debug, Default)]
 pub struct Pareto {
-    of: Option<Arc<Scene>>,
+    of: Option<Arc<Problem>>,
     rows: Vec<Row>,
     underway: Option<Errand<Vec<Row>>>,
 }
@@ -76,7 +76,7 @@ impl Pareto {
 
 /// Measures a scene on a thread of its own.
 fn start(
-    scene: Arc<Scene>,
+    problem: Arc<Problem>,
     title: String,
     known: Option<Arc<Ballistic>>,
     ctx: &Context,
@@ -84,8 +84,8 @@ fn start(
     Errand::start("run time against error", ctx, move |watch| {
         let go_on = |share| watch.go_on(share);
         let rows = match known {
-            Some(truth) => measure_against(&title, &scene, &truth, ROUNDS, &go_on),
-            None => measure(&title, &scene, ROUNDS, &go_on),
+            Some(truth) => measure_against(&title, &problem, &truth, ROUNDS, &go_on),
+            None => measure(&title, &problem, ROUNDS, &go_on),
         };
         let rows = rows.map_err(|error| error.to_string())?;
         rows.ok_or_else(|| "the measurement was called off".to_owned())
@@ -143,10 +143,10 @@ impl Lab {
 
     /// Starts to measure the scene that runs.
     pub(in crate::app) fn measure_pareto(&mut self, ctx: &Context) {
-        let Some(scene) = self.scene.clone() else { return };
-        let known = self.truth.known().filter(|truth| truth.is_of(&scene)).cloned();
-        match start(Arc::clone(&scene), self.document.name(), known, ctx) {
-            Ok(errand) => self.pareto = Pareto { of: Some(scene), rows: Vec::new(), underway: Some(errand) },
+        let Some(problem) = self.problem.clone() else { return };
+        let known = self.truth.known().filter(|truth| truth.is_of(&problem)).cloned();
+        match start(Arc::clone(&problem), self.document.name(), known, ctx) {
+            Ok(errand) => self.pareto = Pareto { of: Some(problem), rows: Vec::new(), underway: Some(errand) },
             Err(error) => self.fail(format!("no thread to measure on: {error}")),
         }
     }
@@ -183,7 +183,7 @@ impl Lab {
             }
             None => toolbar::button(self, ui, Command::Measure),
         }
-        let other = self.pareto.of.as_ref().zip(self.scene.as_ref()).is_some_and(|(of, now)| !Arc::ptr_eq(of, now));
+        let other = self.pareto.of.as_ref().zip(self.problem.as_ref()).is_some_and(|(of, now)| !Arc::ptr_eq(of, now));
         if other && !self.pareto.rows.is_empty() {
             ui.colored_label(ui.visuals().warn_fg_color, "of an earlier run");
         }

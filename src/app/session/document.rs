@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use egui::util::undoer::{Settings, Undoer};
 
 use crate::scene::{Preset, SceneError, builtin};
+use crate::transport::preset;
 
 /// A preset on the desk.
 #[derive(Debug)]
@@ -30,7 +31,7 @@ impl Document {
     /// A built-in preset; it has no file until it is saved.
     pub fn built_in(name: &str) -> Result<Self, SceneError> {
         let text = builtin::find(name).unwrap_or_default();
-        Ok(Document::named(Preset::parse(text, Path::new(name))?, None, name.to_owned()))
+        Ok(Document::named(preset::parse(text, Path::new(name))?, None, name.to_owned()))
     }
 
     /// Edits that were never saved.

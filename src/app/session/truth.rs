@@ -11,9 +11,9 @@ use crate::app::panels::controls;
 use crate::app::session::errand::Errand;
 use crate::app::session::view::Stage;
 use crate::app::worker::Order;
-use crate::scene::Scene;
-use crate::study::ballistic::Ballistic;
+use crate::scene::Problem;
 use crate::study::error::Metric;
+use crate::transport::ballistic::Ballistic;
 
 /// The ballistic reference of the scene that runs, as far as it is known.
 #[derive(Debug, Default)]
@@ -27,10 +27,10 @@ pub struct Truth {
 enum State {
     #[default]
     Unknown,
-    Underway(Arc<Scene>, Errand<Arc<Ballistic>>),
+    Underway(Arc<Problem>, Errand<Arc<Ballistic>>),
     Known(Arc<Ballistic>),
     /// Called off, or failed, for this scene.
-    GivenUp(Arc<Scene>),
+    GivenUp(Arc<Problem>),
 }
 
 impl Truth {
@@ -47,12 +47,12 @@ impl Truth {
         }
     }
 
-    /// Forgets what is not about `scene`.
-    pub fn turn_to(&mut self, scene: &Scene) {
+    /// Forgets what is not about `problem`.
+    pub fn turn_to(&mut self, problem: &Problem) {
         let fits = match &self.state {
             State::Unknown => true,
-            State::Known(truth) => truth.is_of(scene),
-            State::Underway(other, _) | State::GivenUp(other) => alike(other, scene),
+            State::Known(truth) => truth.is_of(problem),
+            State::Underway(other, _) | State::GivenUp(other) => alike(other, problem),
         };
         if !fits {
             *self = Truth::default();
@@ -60,21 +60,21 @@ impl Truth {
     }
 
     /// Starts to compute it, if nothing is known or under way.
-    fn seek(&mut self, scene: &Arc<Scene>, ctx: &Context) -> std::io::Result<()> {
+    fn seek(&mut self, problem: &Arc<Problem>, ctx: &Context) -> std::io::Result<()> {
         if matches!(self.state, State::Unknown) {
-            let ours = Arc::clone(scene);
+            let ours = Arc::clone(problem);
             let errand = Errand::start("straight lines", ctx, move |watch| {
-                let found = Ballistic::new(&ours, &|share| watch.go_on(share)).map_err(|error| error.to_string())?;
+                let found = Ballistic::new(&ours, &|share| watch.go_on(share));
                 found.map(Arc::new).ok_or_else(|| "the straight lines were given up".to_owned())
             })?;
-            self.state = State::Underway(Arc::clone(scene), errand);
+            self.state = State::Underway(Arc::clone(problem), errand);
         }
         Ok(())
     }
 }
 
 /// Whether the same light takes the same ways; how it is propagated does not matter.
-fn alike(a: &Scene, b: &Scene) -> bool {
+fn alike(a: &Problem, b: &Problem) -> bool {
     a.size == b.size && a.sources == b.sources && a.solids == b.solids && a.occlusion.mode == b.occlusion.mode
 }
 
@@ -88,17 +88,17 @@ impl Lab {
     /// Has what truly arrives computed where it is wanted, and hands it to the worker.
     pub(in crate::app) fn seek_truth(&mut self, ctx: &Context) {
         let wanted = self.wants_truth();
-        if let (true, Some(scene)) = (wanted, &self.scene)
-            && let Err(error) = self.truth.seek(scene, ctx)
+        if let (true, Some(problem)) = (wanted, &self.problem)
+            && let Err(error) = self.truth.seek(problem, ctx)
         {
-            self.truth.state = State::GivenUp(Arc::clone(scene));
+            self.truth.state = State::GivenUp(Arc::clone(problem));
             self.fail(format!("no thread for the straight lines: {error}"));
         }
-        if let State::Underway(scene, errand) = &self.truth.state {
+        if let State::Underway(problem, errand) = &self.truth.state {
             match errand.answer() {
                 Some(Ok(truth)) => self.truth.state = State::Known(truth),
                 Some(Err(line)) => {
-                    self.truth.state = State::GivenUp(Arc::clone(scene));
+                    self.truth.state = State::GivenUp(Arc::clone(problem));
                     self.fail(line);
                 }
                 None => ctx.request_repaint_after_secs(0.1),
@@ -115,15 +115,15 @@ impl Lab {
     /// How far what truly arrives is, and a way to call it off or begin again; nothing once it is known.
     pub(in crate::app) fn truth_progress(&mut self, ui: &mut Ui) {
         match &self.truth.state {
-            State::Underway(scene, errand) => {
-                let scene = Arc::clone(scene);
+            State::Underway(problem, errand) => {
+                let problem = Arc::clone(problem);
                 let bar = egui::ProgressBar::new(errand.share() as f32).desired_width(140.0).show_percentage();
                 ui.label("Straight lines");
                 controls::name(&ui.add(bar), "Progress of the straight lines");
                 let cancel = ui.button("Cancel").on_hover_text("Do without what truly arrives");
                 controls::name(&cancel, "Cancel the straight lines");
                 if cancel.clicked() {
-                    self.truth.state = State::GivenUp(scene);
+                    self.truth.state = State::GivenUp(problem);
                 }
             }
             State::GivenUp(_) => {

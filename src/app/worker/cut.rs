@@ -12,7 +12,8 @@ use crate::field::{Channels, Grid, Octree, downsample_into};
 use crate::report::slice::{Plane, Slice};
 use crate::sh::Sh;
 use crate::simulation::Simulation;
-use crate::study::ballistic::{self, Ballistic};
+use crate::study::ballistic;
+use crate::transport::ballistic::Ballistic;
 use cell_error::Yardstick;
 pub use cloud::cloud;
 
@@ -45,7 +46,7 @@ fn cut(tracks: &mut [Track], truth: Option<&Ballistic>, pane: Pane, look: &Look)
     let state = track.at(if forgotten { None } else { pane.state.iteration })?;
     let mut slice = match pane.state.of {
         Of::Truth => flat(truth?.light(), state.channels(), layer, plane),
-        Of::Track(_) if pane.moved() => flat(&ballistic::moved(state).ok()?, state.channels(), layer, plane),
+        Of::Track(_) if pane.moved() => flat(&ballistic::moved(state), state.channels(), layer, plane),
         Of::Track(_) => slice(state, pane.light, layer, plane),
     };
     let has_errors = other.is_none() && pane.light == Light::Accumulated && pane.state.of != Of::Truth;
@@ -60,7 +61,7 @@ fn cut(tracks: &mut [Track], truth: Option<&Ballistic>, pane: Pane, look: &Look)
     let side = slice.side;
     let finest = |i: usize| plane.axis.cell(plane.index, i % side, i / side);
     let index = (0..side * side).map(|i| state.index().index(finest(i)) as u8).collect();
-    let in_cut = state.scene().solids.iter().filter(|b| b.cell[plane.axis.across()] == plane.index);
+    let in_cut = state.problem().solids.iter().filter(|b| b.cell[plane.axis.across()] == plane.index);
     let occupied = in_cut.map(|b| [b.cell[plane.axis.columns()], b.cell[plane.axis.rows()]]).collect();
     Some(Shown { pane, iteration: state.iteration(), forgotten, slice: Arc::new(slice), errors, index, occupied })
 }
@@ -78,7 +79,7 @@ fn taken(
         Of::Track(track) => {
             let state = tracks.get_mut(track)?.at(state.iteration)?;
             match pane.moved() {
-                true => Some(flat(&ballistic::moved(state).ok()?, state.channels(), layer, plane)),
+                true => Some(flat(&ballistic::moved(state), state.channels(), layer, plane)),
                 false => Some(slice(state, pane.light, layer, plane)),
             }
         }
@@ -166,12 +167,12 @@ pub(in crate::app) mod tests {
     use super::*;
     use crate::app::worker::look::{Against, CloudAsk};
     use crate::report::slice::Axis;
-    use crate::scene::{Preset, Scene};
+    use crate::scene::{Preset, Problem};
     use crate::simulation::Action;
 
     pub fn track(preset: &str) -> Track {
         let preset = Preset::parse(preset, Path::new("test")).unwrap();
-        let mut track = Track::new(Scene::build(&preset, Path::new("")).unwrap(), 1 << 20).unwrap();
+        let mut track = Track::new(Problem::build(&preset, Path::new("")).unwrap(), 1 << 20).unwrap();
         for action in [Action::Inject, Action::Downsample, Action::Propagate, Action::Propagate] {
             track.act(action);
         }
@@ -205,14 +206,14 @@ pub(in crate::app) mod tests {
     #[test]
     fn what_truly_arrives_is_seen_beside_the_light_and_its_difference_is_from_what_moved() {
         let mut tracks = [track(ONE)];
-        let truth = Ballistic::new(tracks[0].now().scene(), &|_| true).unwrap().unwrap();
+        let truth = Ballistic::new(tracks[0].now().problem(), &|_| true).unwrap();
         let own = State { of: Of::Track(0), iteration: None };
         let arrived =
             |minus| Pane { light: Light::Accumulated, state: State { of: Of::Truth, iteration: None }, minus };
         let look = Look { panes: vec![arrived(None), arrived(Some(own))], ..look(Layer::Merged, None) };
         assert!(panes(&mut tracks, None, &look).is_empty());
         let shown = panes(&mut tracks, Some(&truth), &look);
-        let moved = ballistic::moved(tracks[0].now()).unwrap();
+        let moved = ballistic::moved(tracks[0].now());
         for (is, difference) in shown[0].slice.cells.iter().zip(&shown[1].slice.cells) {
             assert_eq!(is.light[0], truth.light()[0].get(is.cell));
             assert_eq!(difference.light[0], is.light[0] - moved[0].get(is.cell));

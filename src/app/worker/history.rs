@@ -129,12 +129,12 @@ pub fn bytes<T: Real>(simulation: &Simulation<T>) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Preset, Scene};
+    use crate::scene::{Preset, Problem};
 
     fn started() -> Simulation<f32> {
         let text = "(version: 1, size: 8, injectors: [(kind: Single(cell: (3, 4, 2)))])";
         let preset = Preset::parse(text, std::path::Path::new("test")).unwrap();
-        let mut simulation = Simulation::new(Scene::build(&preset, std::path::Path::new("")).unwrap()).unwrap();
+        let mut simulation = Simulation::new(Problem::build(&preset, std::path::Path::new("")).unwrap()).unwrap();
         simulation.act(Action::Inject);
         simulation.act(Action::Downsample);
         simulation

@@ -1,11 +1,12 @@
 //! One propagator on its way through a scene: the simulation, its past and its errors.
 
 use crate::app::worker::history::{self, History};
-use crate::scene::Scene;
-use crate::simulation::{Action, Change, Simulation, SimulationError};
-use crate::study::ballistic::{self, Ballistic};
+use crate::scene::Problem;
+use crate::simulation::{Action, Change, Refusal, Simulation};
+use crate::study::ballistic;
 use crate::study::error::{self, ErrorRow, Metric};
 use crate::study::reference;
+use crate::transport::ballistic::Ballistic;
 
 /// The errors of one state by one metric.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,11 +27,10 @@ impl Measured {
             Metric::Thesis => error::thesis(state),
             Metric::Corrected => error::corrected(state, &reference::uniform(state)),
             Metric::Merged => vec![error::merged(state, &reference::uniform(state))],
-            // A state that is there has had its memory: nothing is left to be refused.
-            Metric::Ballistic => truth.and_then(|truth| ballistic::error(state, truth).ok()).into_iter().collect(),
+            Metric::Ballistic => truth.map(|truth| ballistic::error(state, truth)).into_iter().collect(),
         };
         let fit = truth.filter(|_| metric == Metric::Ballistic);
-        let best_fit = fit.and_then(|truth| Some(ballistic::best_fit(state, truth).ok()?.fitted));
+        let best_fit = fit.map(|truth| ballistic::best_fit(state, truth).fitted);
         Measured { rows, best_fit }
     }
 }
@@ -45,9 +45,9 @@ pub struct Track {
 }
 
 impl Track {
-    /// A dark simulation of `scene`, with `budget` bytes for its past.
-    pub fn new(scene: Scene, budget: usize) -> Result<Self, SimulationError> {
-        Ok(Track { now: Simulation::new(scene)?, past: History::new(budget), fixed: true })
+    /// A dark simulation of `problem`, with `budget` bytes for its past.
+    pub fn new(problem: Problem, budget: usize) -> Result<Self, Refusal> {
+        Ok(Track { now: Simulation::new(problem)?, past: History::new(budget), fixed: true })
     }
 
     /// Does one action and tells what it changed.

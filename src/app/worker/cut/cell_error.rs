@@ -5,7 +5,8 @@ use crate::app::worker::look::{Against, CellError};
 use crate::field::{Cell, Grid, Layout, mean_of_children};
 use crate::sh::Sh;
 use crate::simulation::Simulation;
-use crate::study::ballistic::{self, Ballistic};
+use crate::study::ballistic;
+use crate::transport::ballistic::Ballistic;
 
 /// Everything that the errors of one state's accumulated cells need.
 pub enum Yardstick<'a> {
@@ -21,7 +22,7 @@ impl<'a> Yardstick<'a> {
         match against {
             Against::Children => Some(Yardstick::Children),
             Against::Uniform => Some(Yardstick::Uniform),
-            Against::Truth => Some(Yardstick::Truth(ballistic::moved(state).ok()?, truth?.light())),
+            Against::Truth => Some(Yardstick::Truth(ballistic::moved(state), truth?.light())),
         }
     }
 
@@ -70,14 +71,14 @@ mod tests {
     use crate::app::worker::cut::tests::{ONE, look, track};
     use crate::app::worker::look::{Against, Layer, Look};
     use crate::app::worker::track::Track;
-    use crate::scene::{Preset, Scene};
+    use crate::scene::{Preset, Problem};
     use crate::simulation::Action;
-    use crate::study::ballistic::Ballistic;
+    use crate::transport::ballistic::Ballistic;
 
     #[test]
     fn errors_against_a_uniform_volume_vanish_where_nothing_is_propagated() {
         let preset = Preset::parse(ONE, Path::new("test")).unwrap();
-        let mut fresh = Track::new(Scene::build(&preset, Path::new("")).unwrap(), 1 << 20).unwrap();
+        let mut fresh = Track::new(Problem::build(&preset, Path::new("")).unwrap(), 1 << 20).unwrap();
         fresh.act(Action::Inject);
         fresh.act(Action::Downsample);
         let shown = panes(&mut [fresh], None, &look(Layer::Level(2), None));
@@ -91,7 +92,7 @@ mod tests {
     #[test]
     fn errors_against_what_truly_arrives_are_those_of_the_metric() {
         let mut tracks = [track(ONE)];
-        let truth = Ballistic::new(tracks[0].now().scene(), &|_| true).unwrap().unwrap();
+        let truth = Ballistic::new(tracks[0].now().problem(), &|_| true).unwrap();
         let look = Look { against: Against::Truth, ..look(Layer::Level(0), None) };
         let mut largest = 0.0f32;
         for index in 0..8 {
@@ -99,7 +100,7 @@ mod tests {
             let shown = panes(&mut tracks, Some(&truth), &Look { plane, ..look.clone() });
             largest = shown[0].errors.iter().fold(largest, |m, error| m.max(error.unwrap().absolute));
         }
-        let row = crate::study::ballistic::error(tracks[0].now(), &truth).unwrap();
+        let row = crate::study::ballistic::error(tracks[0].now(), &truth);
         assert!((f64::from(largest) - row.absolute_max).abs() < 1e-6, "{largest} {row:?}");
         let unknown = panes(&mut tracks, None, &look);
         assert!(unknown[0].errors.is_empty());

@@ -52,7 +52,7 @@ pub fn cloud(tracks: &mut [Track], look: &Look) -> Option<Cloud> {
 
 /// The middles of the occupied cells that are not hidden among others.
 fn surface(state: &Simulation<f32>) -> Vec<[f32; 3]> {
-    let occupied: HashSet<Cell> = state.scene().solids.iter().map(|blocker| blocker.cell).collect();
+    let occupied: HashSet<Cell> = state.problem().solids.iter().map(|blocker| blocker.cell).collect();
     let hidden = |cell: &Cell| {
         (0..3).all(|axis| {
             [-1, 1].into_iter().all(|step| {

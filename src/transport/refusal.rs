@@ -1,17 +1,16 @@
 //! What cannot be run, and why.
 
+use super::lattice::levels::TooLarge;
+use super::lattice::scheme::Scheme;
+use super::lattice::schemes;
+use super::{names, ordinates};
 use crate::scene::Propagation;
 use crate::scene::error::nearest;
 use crate::system::memory;
-use crate::transport;
-use crate::transport::lattice::levels::TooLarge;
-use crate::transport::lattice::scheme::Scheme;
-use crate::transport::lattice::schemes;
-use crate::transport::ordinates;
 
 /// A propagation setting that cannot be run.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SimulationError {
+pub enum Refusal {
     /// No scheme of that name.
     #[error("unknown scheme \"{name}\"; {}known schemes: {known}", .nearest.map_or(String::new(), |n| format!("did you mean \"{n}\"? ")))]
     UnknownScheme {
@@ -51,26 +50,26 @@ pub enum SimulationError {
 }
 
 /// The scheme of a setting, `None` for [ordinates]; an error that names what there is for any other name.
-pub fn scheme_of(propagation: &Propagation) -> Result<Option<Scheme>, SimulationError> {
+pub fn scheme_of(propagation: &Propagation) -> Result<Option<Scheme>, Refusal> {
     if propagation.scheme == ordinates::NAME { Ok(None) } else { known_scheme(&propagation.scheme).map(Some) }
 }
 
 /// The scheme of that name, or an error that names those there are.
-pub fn known_scheme(name: &str) -> Result<Scheme, SimulationError> {
-    schemes::find(name).ok_or_else(|| SimulationError::UnknownScheme {
+pub fn known_scheme(name: &str) -> Result<Scheme, Refusal> {
+    schemes::find(name).ok_or_else(|| Refusal::UnknownScheme {
         name: name.to_owned(),
-        nearest: nearest(name, &transport::names()),
-        known: transport::names().join(", "),
+        nearest: nearest(name, &names()),
+        known: names().join(", "),
     })
 }
 
 /// Refuses light that the machine has no memory for, before any of it is allocated; `needed` tells the bytes for
 /// a side.
-pub(super) fn refuse_what_does_not_fit(size: usize, needed: impl Fn(usize) -> u64) -> Result<(), SimulationError> {
+pub fn refuse_what_does_not_fit(size: usize, needed: impl Fn(usize) -> u64) -> Result<(), Refusal> {
     let Some(free) = memory::free().filter(|free| needed(size) > *free) else { return Ok(()) };
     let mut largest = size;
     while largest > 1 && needed(largest) > free {
         largest /= 2;
     }
-    Err(SimulationError::Memory { size, needed: needed(size), free, largest })
+    Err(Refusal::Memory { size, needed: needed(size), free, largest })
 }

@@ -27,18 +27,14 @@
 mod halves;
 mod head;
 mod lit;
-pub mod race;
 mod roots;
 mod sweep;
 
-use super::reference;
+use super::kernel::form::{Form, Share};
+use super::stencil::Stencil;
 use crate::field::Grid;
-use crate::scene::occluder::OcclusionMode;
-use crate::scene::{Propagation, Scene};
-use crate::simulation::{SimulationError, scheme_of};
-use crate::transport::lattice::kernel::form::{Form, Share};
-use crate::transport::lattice::stencil::Stencil;
-use crate::transport::team;
+use crate::scene::{Problem, Propagation};
+use crate::transport::{Refusal, scheme_of, team};
 use halves::{Half, Shape};
 use head::Head;
 use lit::Lit;
@@ -49,12 +45,12 @@ const MOST_SWEEPS: usize = 500;
 /// A relative residual from which no sweep comes back.
 const HOPELESS: f64 = 1e6;
 
-/// A scene whose fixed point is not found.
+/// Why a fixed point is not found.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Refusal {
+pub enum NoFixedPoint {
     /// The setting itself cannot be run.
     #[error(transparent)]
-    Simulation(#[from] SimulationError),
+    Refused(#[from] Refusal),
     /// Ordinates are no scheme.
     #[error("ordinates give the sum of all iterations in one sweep; a fixed point is solved for under a scheme")]
     Ordinates,
@@ -83,7 +79,7 @@ pub enum Refusal {
     },
 }
 
-/// The fixed point of a scene.
+/// The fixed point of a problem.
 #[derive(Clone, Debug)]
 pub struct Converged {
     /// A of each channel: what accumulates under the thesis's snapshots.
@@ -103,16 +99,19 @@ pub struct Found {
     pub sweeps: usize,
 }
 
-/// Solves for the fixed point of the scene's finest level to a relative residual of `tolerance`, which
+/// Solves for the fixed point of a problem's finest level to a relative residual of `tolerance`, which
 /// single precision bounds at about 1e-6. `watch` hears of the residual after every sweep and returns
 /// whether to go on; `None` if it did not want to.
-pub fn solve(scene: &Scene, tolerance: f64, mut watch: impl FnMut(f64) -> bool) -> Result<Option<Converged>, Refusal> {
-    let mut solver = Solver::for_scene(scene)?;
-    let injected = reference::injected::<f32>(scene)?;
+pub fn solve(
+    problem: &Problem,
+    tolerance: f64,
+    mut watch: impl FnMut(f64) -> bool,
+) -> Result<Option<Converged>, NoFixedPoint> {
+    let mut solver = Solver::for_problem(problem)?;
     let mut converged = Converged { light: Vec::new(), residual: 0.0, sweeps: 0 };
-    for channel in injected.lights() {
-        let mut light = Grid::new(scene.size);
-        let Some(found) = solver.solve(channel.source.level(0), tolerance, &mut light, &mut watch)? else {
+    for injected in problem.injected::<f32>(&problem.channels()) {
+        let mut light = Grid::new(problem.size);
+        let Some(found) = solver.solve(&injected, tolerance, &mut light, &mut watch)? else {
             return Ok(None);
         };
         converged.residual = converged.residual.max(found.residual);
@@ -147,18 +146,18 @@ struct Tail {
 }
 
 impl Solver {
-    /// A solver for the finest level of a scene; refuses occluders that act, and all that [`Self::new`] does.
-    pub fn for_scene(scene: &Scene) -> Result<Self, Refusal> {
-        if !scene.solids.is_empty() && scene.occlusion.mode != OcclusionMode::Off {
-            return Err(Refusal::Occluders);
+    /// A solver for the finest level of a problem; refuses occluders that act, and all that [`Self::new`] does.
+    pub fn for_problem(problem: &Problem) -> Result<Self, NoFixedPoint> {
+        if problem.has_occluders() {
+            return Err(NoFixedPoint::Occluders);
         }
-        Solver::new(&scene.propagation, scene.size)
+        Solver::new(&problem.propagation, problem.size)
     }
 
     /// A solver for one propagation setting on an n³ grid; refuses clamps that never cease to act.
-    pub fn new(propagation: &Propagation, n: usize) -> Result<Self, Refusal> {
-        let scheme = scheme_of(propagation)?.ok_or(Refusal::Ordinates)?;
-        let clamped = || Refusal::Clamped { scheme: propagation.scheme.clone() };
+    pub fn new(propagation: &Propagation, n: usize) -> Result<Self, NoFixedPoint> {
+        let scheme = scheme_of(propagation)?.ok_or(NoFixedPoint::Ordinates)?;
+        let clamped = || NoFixedPoint::Clamped { scheme: propagation.scheme.clone() };
         let stencil = Stencil::<f32>::new(&scheme, propagation.factor, propagation.clamp);
         let form = Form::of(&stencil).ok_or_else(clamped)?;
         let cone = form.cone.ok_or_else(clamped)?;
@@ -181,10 +180,10 @@ impl Solver {
         tolerance: f64,
         light: &mut Grid<f32>,
         watch: &mut impl FnMut(f64) -> bool,
-    ) -> Result<Option<Found>, Refusal> {
+    ) -> Result<Option<Found>, NoFixedPoint> {
         team::stay_awake();
         if !self.head.run(injected, light) {
-            return Err(Refusal::Clamped { scheme: self.scheme.clone() });
+            return Err(NoFixedPoint::Clamped { scheme: self.scheme.clone() });
         }
         if self.tail.shape.n == 1 {
             // No neighbour, no way for light to come back.
@@ -227,7 +226,7 @@ impl Solver {
             lit.clone_from(stale);
             std::mem::swap(x, next);
         }
-        Err(Refusal::Diverges { residual, sweeps, factor: self.factor })
+        Err(NoFixedPoint::Diverges { residual, sweeps, factor: self.factor })
     }
 }
 
@@ -237,13 +236,14 @@ mod tests {
     use crate::scene::Solid;
     use crate::scene::{Occlusion, Source};
     use crate::sh::Sh;
-    use crate::simulation::{Action, known_scheme};
+    use crate::transport::known_scheme;
+    use crate::transport::lattice::kernel::plain;
     use crate::transport::lattice::kernel::step::once;
     use glam::DVec3;
 
-    fn scene(size: usize, scheme: &str, factor: f64, clamp: bool) -> Scene {
+    fn problem(size: usize, scheme: &str, factor: f64, clamp: bool) -> Problem {
         let light = vec![([size / 2, 0, 0], Sh::lobe(DVec3::X)), ([0; 3], Sh([0.5, 0.1, 0.2, -0.1]))];
-        Scene {
+        Problem {
             size,
             coarsest: size,
             sources: vec![Source { color: [1.0, 0.5, 0.0], light }],
@@ -256,14 +256,17 @@ mod tests {
     #[test]
     fn the_fixed_point_is_what_iterating_leads_to() {
         for (size, factor, clamp) in [(1, 3.0, true), (2, 3.8, true), (8, 3.9, true), (16, 3.0, false)] {
-            let scene = scene(size, "cascaded", factor, clamp);
-            let found = solve(&scene, 1e-5, |_| true).unwrap().unwrap();
+            let problem = problem(size, "cascaded", factor, clamp);
+            let found = solve(&problem, 1e-5, |_| true).unwrap().unwrap();
             assert!(found.residual <= 1e-5);
-            let mut simulation = reference::injected::<f64>(&scene).unwrap();
+            let stencil = Stencil::new(&known_scheme("cascaded").unwrap(), factor, clamp);
+            let mut source = problem.injected::<f64>(&problem.channels()).swap_remove(0);
+            let (mut target, mut iterated) = (Grid::new(size), source.clone());
             for _ in 0..800 {
-                simulation.act(Action::Propagate);
+                plain::propagate(&stencil, &source, &mut target);
+                iterated.add_grid(&target);
+                std::mem::swap(&mut source, &mut target);
             }
-            let iterated = simulation.lights()[0].accumulated.level(0);
             let most = iterated.iter().map(|(_, light)| light.max_norm()).fold(0.0, f64::max);
             for (cell, light) in iterated.iter() {
                 let difference = (found.light[0].get(cell).widen() - light).max_norm();
@@ -274,11 +277,10 @@ mod tests {
 
     #[test]
     fn the_residual_that_is_reported_is_that_of_the_equation() {
-        let scene = scene(8, "cascaded", 3.8, false);
-        let found = solve(&scene, 1e-3, |_| true).unwrap().unwrap();
+        let problem = problem(8, "cascaded", 3.8, false);
+        let found = solve(&problem, 1e-3, |_| true).unwrap().unwrap();
         // Unclamped all of it is linear: A should be S + P·A, and ‖S + P·A − A‖ as small as was said.
-        let injected = reference::injected::<f32>(&scene).unwrap();
-        let source = injected.lights()[0].source.level(0);
+        let source = &problem.injected::<f32>(&problem.channels())[0];
         let form = Form::of(&Stencil::new(&known_scheme("cascaded").unwrap(), 3.8, false)).unwrap();
         let moved = once(&form, found.light[0].clone());
         let square = |grid: &Grid<f32>| -> f64 { grid.iter().map(|(_, l)| l.widen().dot(l.widen())).sum() };
@@ -292,8 +294,8 @@ mod tests {
 
     #[test]
     fn a_solver_forgets_what_it_solved_before() {
-        let wide = scene(16, "cascaded", 3.8, true);
-        let mut solver = Solver::for_scene(&wide).unwrap();
+        let wide = problem(16, "cascaded", 3.8, true);
+        let mut solver = Solver::for_problem(&wide).unwrap();
         let lobe = |cell| {
             let mut light = Grid::new(16);
             light.set(cell, Sh::lobe(DVec3::Y));
@@ -305,7 +307,7 @@ mod tests {
             (light, found)
         };
         for injected in [lobe([0, 15, 0]), lobe([15, 0, 15]), Grid::new(16), lobe([8, 8, 8])] {
-            let mut new = Solver::for_scene(&wide).unwrap();
+            let mut new = Solver::for_problem(&wide).unwrap();
             assert_eq!(find(&mut solver, &injected), find(&mut new, &injected));
         }
     }
@@ -314,7 +316,7 @@ mod tests {
     fn near_the_critical_factor_it_takes_longer_and_arrives() {
         // Light in 16³ grows without bound from 4.09 on.
         let sweeps = [3.0, 3.8, 4.0, 4.05].map(|factor| {
-            let found = solve(&scene(16, "cascaded", factor, true), 1e-4, |_| true).unwrap().unwrap();
+            let found = solve(&problem(16, "cascaded", factor, true), 1e-4, |_| true).unwrap().unwrap();
             assert!(found.residual <= 1e-4);
             found.sweeps
         });
@@ -323,16 +325,16 @@ mod tests {
 
     #[test]
     fn what_cannot_be_solved_is_refused_with_the_reason() {
-        let refused = |scene: &Scene| solve(scene, 1e-4, |_| true).unwrap_err();
-        assert!(matches!(refused(&scene(8, "axial", 3.0, true)), Refusal::Clamped { .. }));
-        assert!(solve(&scene(8, "axial", 3.0, false), 1e-4, |_| true).is_ok());
-        let mut walled = scene(8, "cascaded", 3.0, true);
+        let refused = |problem: &Problem| solve(problem, 1e-4, |_| true).unwrap_err();
+        assert!(matches!(refused(&problem(8, "axial", 3.0, true)), NoFixedPoint::Clamped { .. }));
+        assert!(solve(&problem(8, "axial", 3.0, false), 1e-4, |_| true).is_ok());
+        let mut walled = problem(8, "cascaded", 3.0, true);
         walled.solids = vec![Solid { cell: [1; 3], normal: DVec3::X, opacity: 1.0, albedo: [0.0; 3] }];
-        assert_eq!(refused(&walled), Refusal::Occluders);
-        assert!(matches!(refused(&scene(16, "cascaded", 4.3, true)), Refusal::Diverges { .. }));
-        assert_eq!(refused(&scene(8, "ordinates", 3.0, true)), Refusal::Ordinates);
-        assert!(matches!(refused(&scene(16, "nonsense", 3.0, true)), Refusal::Simulation(_)));
-        let stopped = solve(&scene(8, "cascaded", 3.0, true), 1e-4, |_| false);
+        assert_eq!(refused(&walled), NoFixedPoint::Occluders);
+        assert!(matches!(refused(&problem(16, "cascaded", 4.3, true)), NoFixedPoint::Diverges { .. }));
+        assert_eq!(refused(&problem(8, "ordinates", 3.0, true)), NoFixedPoint::Ordinates);
+        assert!(matches!(refused(&problem(16, "nonsense", 3.0, true)), NoFixedPoint::Refused(_)));
+        let stopped = solve(&problem(8, "cascaded", 3.0, true), 1e-4, |_| false);
         assert!(stopped.unwrap().is_none());
     }
 }

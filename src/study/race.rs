@@ -7,13 +7,13 @@
 
 use std::time::Instant;
 
-use super::{Found, Refusal, Solver};
 use crate::field::Grid;
-use crate::scene::Scene;
+use crate::scene::Problem;
 use crate::simulation::options::Wanted;
 use crate::simulation::{Action, Simulation};
 use crate::study::pareto::made;
 use crate::study::reference;
+use crate::transport::lattice::fixed_point::{Found, NoFixedPoint, Solver};
 
 /// What to measure.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,13 +48,13 @@ pub struct Row {
 }
 
 /// Runs the race; `watch` hears what is measured.
-pub fn run(plan: &Plan, mut watch: impl FnMut(&str)) -> Result<Vec<Row>, Refusal> {
+pub fn run(plan: &Plan, mut watch: impl FnMut(&str)) -> Result<Vec<Row>, NoFixedPoint> {
     let mut rows = Vec::new();
     for &size in &plan.sizes {
         for &factor in &plan.factors {
-            for (name, scene) in made::scenes(size, factor) {
+            for (name, problem) in made::scenes(size, factor) {
                 watch(&format!("{name}, n = {size}, p = {factor}"));
-                rows.extend(row(name, &scene, plan)?);
+                rows.extend(row(name, &problem, plan)?);
             }
         }
     }
@@ -62,12 +62,12 @@ pub fn run(plan: &Plan, mut watch: impl FnMut(&str)) -> Result<Vec<Row>, Refusal
 }
 
 /// `None` where there is no light.
-fn row(name: &'static str, scene: &Scene, plan: &Plan) -> Result<Option<Row>, Refusal> {
-    let mut solver = Solver::new(&scene.propagation, scene.size)?;
-    let mut simulation = reference::injected::<f32>(scene)?;
+fn row(name: &'static str, problem: &Problem, plan: &Plan) -> Result<Option<Row>, NoFixedPoint> {
+    let mut solver = Solver::new(&problem.propagation, problem.size)?;
+    let mut simulation = reference::injected::<f32>(problem)?;
     let Some(light) = simulation.lights().first() else { return Ok(None) };
     let injected = light.source.level(0).clone();
-    let mut light = Grid::new(scene.size);
+    let mut light = Grid::new(problem.size);
     // Refuses what does not converge, before anything is iterated.
     let Some(found) = solver.solve(&injected, plan.tolerance, &mut light, &mut |_| true)? else { return Ok(None) };
     let iterations = iterations(&mut simulation, plan.tolerance);
@@ -82,7 +82,7 @@ fn row(name: &'static str, scene: &Scene, plan: &Plan) -> Result<Option<Row>, Re
         solver.solve(&injected, plan.tolerance, &mut light, &mut |_| true)?;
         solving.push(started.elapsed().as_secs_f64());
     }
-    let Scene { size, propagation, .. } = scene;
+    let Problem { size, propagation, .. } = problem;
     let [iterating, solving] = [iterating, solving].map(median);
     Ok(Some(Row { scene: name, size: *size, factor: propagation.factor, iterations, iterating, solving, found }))
 }
