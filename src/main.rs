@@ -41,9 +41,8 @@ fn obey() -> Result<(), CliError> {
             return Ok(());
         }
     };
-    if let (got, wanted) = team::gather()
-        && got < wanted
-    {
+    let (got, wanted) = team::gather();
+    if got < wanted {
         console::note(format_args!("{got} of {wanted} threads can be started (ulimit -u or -v), so it takes longer"));
     }
     match cli.command {

@@ -72,7 +72,7 @@ fn what_one_run_writes_another_injects_whichever_the_format() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let read = |name: &str, column| -> Vec<(Cell, [f32; 4])> {
-        let cells = cell_file::read(Path::new(&at(name)), 32, column).unwrap();
+        let cells = cell_file::read(Path::new(&at(name)), 32, Some(column)).unwrap();
         cells.into_iter().map(|(cell, light)| (cell, light.cast::<f32>().0)).collect()
     };
     let cells = ["cells", "presets/one-lobe.ron", "--iterations", "3", "--out"];
@@ -182,7 +182,7 @@ fn every_level_and_the_merged_grid_can_be_printed() {
     let path = folder.path().join("merged.npy");
     stdout(lab().args(["cells", "mixed", "--iterations", "2", "--level", "merged", "--out"]).arg(&path));
     let mut lit = Grid::<f32>::new(32);
-    for (cell, light) in cell_file::read(&path, 32, Column::Accumulated).unwrap() {
+    for (cell, light) in cell_file::read(&path, 32, None).unwrap() {
         lit.set(cell, light.cast());
     }
     assert!(lit.iter().all(|(_, light)| !light.is_zero()), "after merging, a coarser level lights every cell");

@@ -9,7 +9,7 @@ use super::glyph::{self, GlyphScale, Glyphs, Hue, Outline};
 use super::legend::{LEADING, Legend};
 use super::raster::{self, RasterError};
 use super::slice::{Axis, Slice};
-use super::svg::{Anchor, PathData, Stroke, Svg, Type};
+use super::svg::{Anchor, PathData, Stroke, Svg, Type, fitted};
 use plan::{MARGIN, Plan};
 
 /// One slice in a picture.

@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::colour::Theme;
 use super::raster::{self, RasterError};
-use super::svg::{Anchor, PathData, Stroke, Svg, Type, text_width};
+use super::svg::{Anchor, PathData, Stroke, Svg, Type, fitted, text_width};
 
 /// How a curve is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -94,8 +94,9 @@ impl Figure {
         let mut svg = Svg::new(width, height, self.theme.ground, &self.title);
         let mut top = margin;
         if !self.title.is_empty() {
-            let (title, set) = fitted(&self.title, set(1.4, self.theme.ink, Anchor::Start), width - 2.0 * margin);
-            svg.text([margin, top + 1.1 * em], &title, set);
+            let (title, type_of_title) =
+                fitted(&self.title, set(1.4, self.theme.ink, Anchor::Start), width - 2.0 * margin);
+            svg.text([margin, top + 1.1 * em], &title, type_of_title);
             top += 2.2 * em;
         }
         let names = self.plots.iter().flat_map(|plot| &plot.curves).map(|curve| text_width(&curve.name, em));

@@ -72,7 +72,7 @@ impl Holds {
         match (self, column) {
             (Holds::Both, None) => Err(Problem::new(
                 "the file holds two lights, the source grid and the accumulated one",
-                "name one: `column: Source`, which was taken until now, or `column: Accumulated`, which .npy files hold",
+                "name one, `column: Source` or `column: Accumulated`; a .npy file holds the accumulated one",
             )
             .field("kind")),
             (Holds::Both, Some(column)) => Ok(column as usize),
@@ -103,8 +103,8 @@ impl Column {
 /// # Errors
 /// Where it cannot be read, is not for a volume of this size, holds two lights and `column` names none, or another one
 /// than `column` names.
-pub fn read(path: &Path, size: usize, column: impl Into<Option<Column>>) -> Result<Vec<(Cell, Sh<f64>)>, SceneError> {
-    read_at_most(path, size, column.into(), MOST_CELLS)
+pub fn read(path: &Path, size: usize, column: Option<Column>) -> Result<Vec<(Cell, Sh<f64>)>, SceneError> {
+    read_at_most(path, size, column, MOST_CELLS)
 }
 
 /// Whether a file holds two lights, so that an injector must name one.

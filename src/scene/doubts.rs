@@ -6,7 +6,6 @@
 //! is negative, has not been sent by surfaces. Iterations without the clamp do make such light, and it may be injected
 //! again.
 
-use super::cell_file::Column;
 use super::error::{Problem, Step};
 use super::injector::{Injector, InjectorKind};
 use super::{Preset, Scene};
@@ -29,18 +28,12 @@ pub fn doubts(preset: &Preset, problem: &Scene) -> Vec<Problem> {
 
 /// What is odd about the light of a file.
 fn of_file(injector: &Injector, light: &[(Cell, Sh<f64>)]) -> Option<Problem> {
-    let InjectorKind::File { path, column } = &injector.kind else { return None };
-    // Light under way is what propagation made of it, and that may be anything without the clamp.
+    let InjectorKind::File { path, .. } = &injector.kind else { return None };
     let odd = |sh: &Sh<f64>| is_negative(sh) || is_too_long(sh);
     let count = light.iter().filter(|(_, sh)| odd(sh)).count();
     let ([x, y, z], sh) = light.iter().find(|(_, sh)| odd(sh))?;
     let what = if is_negative(sh) { "is negative in the mean" } else { "has a longer lobe than a cosine's" };
-    let remedy = match column {
-        Some(Column::Source) | None => {
-            "c00 is at least 0.866 times the length of (c1-1, c10, c11) in light that surfaces send"
-        }
-        Some(Column::Accumulated) => "it was accumulated without the clamp, or by another program",
-    };
+    let remedy = "in light that surfaces send, c00 is at least 0.866 times the length of (c1-1, c10, c11)";
     let others = match count - 1 {
         0 => String::new(),
         1 => " and that of one more cell".to_owned(),

@@ -18,13 +18,9 @@ pub(super) enum Separator {
 impl Separator {
     /// The separator of a header: the one that it holds.
     pub(super) fn of(header: &str) -> Self {
-        let holds = |c: char| header.contains(c);
-        match () {
-            () if holds(',') => Separator::Comma,
-            () if holds(';') => Separator::Semicolon,
-            () if holds('\t') => Separator::Tabulator,
-            () => Separator::Comma,
-        }
+        let known = [Separator::Comma, Separator::Semicolon, Separator::Tabulator];
+        let held = known.into_iter().find(|separator| header.contains(separator.character()));
+        held.unwrap_or(Separator::Comma)
     }
 
     fn character(self) -> char {
