@@ -9,6 +9,7 @@ use clap::Parser;
 use lpv_lab::cli::{self, Cli, CliError, RunArgs, console};
 #[cfg(feature = "app")]
 use lpv_lab::system::text::shortened;
+use lpv_lab::transport::team;
 
 /// The built-in preset that is opened when none is named.
 const DEFAULT_PRESET: &str = "two-walls";
@@ -40,6 +41,10 @@ fn obey() -> Result<(), CliError> {
             return Ok(());
         }
     };
+    let (got, wanted) = team::gather();
+    if got < wanted {
+        console::note(format_args!("{got} of {wanted} threads can be started (ulimit -u or -v), so it takes longer"));
+    }
     match cli.command {
         Some(cli::Command::Bench(args)) => bench(args),
         Some(command) => cli::execute(command),

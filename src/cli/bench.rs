@@ -44,7 +44,7 @@ pub struct BenchArgs {
     #[arg(long, value_name = "PRESET,...", value_delimiter = ',', conflicts_with = "pareto")]
     presets: Vec<PathBuf>,
     /// The propagation factor for time against error [default: 3, or the presets' own]
-    #[arg(long, value_parser = super::pareto::factor)]
+    #[arg(long, value_parser = super::pareto::factor, allow_negative_numbers = true)]
     factor: Option<f64>,
     /// Sides of the volumes in which the fixed point is iterated to and solved for; 0 to leave it out
     #[arg(long, value_name = "N,N,...", value_delimiter = ',', default_values_t = [32, 64], value_parser = side_or_none)]
@@ -103,6 +103,7 @@ pub fn run(args: &BenchArgs) -> Result<(), CliError> {
         team::inside(|| super::pareto::run(&scenes, rounds, &folder))?;
     }
     say!("\n{}", folder.path().display());
+    folder.finish();
     Ok(())
 }
 
@@ -148,9 +149,7 @@ fn kernels(args: &BenchArgs, folder: &Folder) -> Result<(), CliError> {
         print_pipeline(&pool.install(|| Pipeline::measure(101))?);
     }
     print_fading(&benchmark::pool(1)?.install(Fading::measure)?);
-    let mut csv = Vec::new();
-    table.write_csv(&mut csv).map_err(|e| CliError::Failed(format!("kernels.csv: {e}")))?;
-    folder.write("kernels.csv", csv)?;
+    folder.write_table("kernels.csv", &table)?;
     folder.write_svg_and_png("kernels", &figure(&rows).to_svg())
 }
 

@@ -6,6 +6,7 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 
 use super::console::{self, say};
+use super::numbers::{decimal, whole};
 use super::output::Folder;
 use super::{CliError, SceneArgs};
 use crate::report::table::{Table, Value};
@@ -35,10 +36,10 @@ pub struct CompareArgs {
     #[arg(long, default_value = "uniform", value_parser = PossibleValuesParser::new(Reference::ALL.map(Reference::name)))]
     reference: String,
     /// Propagation iterations, k
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", value_parser = whole, allow_negative_numbers = true)]
     iterations: Option<usize>,
     /// The propagation factor, p
-    #[arg(long, value_name = "P")]
+    #[arg(long, value_name = "P", value_parser = decimal, allow_negative_numbers = true)]
     factor: Option<f64>,
     /// The folder to write compare.csv to
     #[arg(long, value_name = "DIR")]
@@ -70,7 +71,7 @@ pub fn run(args: &CompareArgs) -> Result<(), CliError> {
         let gap = if i == 0 { "" } else { "\n" };
         say!(
             "{gap}{}: {}³, p = {}, k = {}, against {}",
-            if document.title.is_empty() { scene_args.stem() } else { document.title },
+            scene_args.title(&document),
             problem.size,
             problem.propagation.factor,
             problem.propagation.iterations,
@@ -86,9 +87,8 @@ pub fn run(args: &CompareArgs) -> Result<(), CliError> {
         console::print(format_args!("{}", table.to_text()));
     }
     if let Some(folder) = folder {
-        let mut bytes = Vec::new();
-        csv.write_csv(&mut bytes).map_err(|e| CliError::Failed(format!("compare.csv: {e}")))?;
-        folder.write("compare.csv", bytes)?;
+        folder.write_table("compare.csv", &csv)?;
+        folder.finish();
     }
     Ok(())
 }

@@ -12,7 +12,7 @@ use crate::simulation::Simulation;
 use crate::study::ballistic;
 use crate::study::error::{self, ErrorRow};
 use crate::study::reference;
-use crate::system::interrupt;
+use crate::system::{interrupt, memory};
 use crate::transport::ballistic::Ballistic;
 
 /// What a run was found to do.
@@ -36,9 +36,25 @@ pub fn truth(problem: &Problem) -> Result<Ballistic, CliError> {
     truth.ok_or_else(|| CliError::Interrupted("interrupted before the run began: nothing is written".to_owned()))
 }
 
+/// Grids of the finest level that measuring takes for each channel, beside the light itself: the uniform volume, the
+/// merged light, and their difference.
+const MEASURING: u64 = 3;
+
+/// Refuses what could be run and not be measured, before the run.
+fn check_room(simulation: &Simulation<f32>) -> Result<(), CliError> {
+    let grid = 16 * (simulation.sizes().finest() as u64).pow(3);
+    let needed = MEASURING * grid * simulation.channels().count() as u64;
+    let Some(free) = memory::free().filter(|free| needed > *free) else { return Ok(()) };
+    let (needed, free) = (memory::in_words(needed), memory::in_words(free));
+    Err(CliError::Input(format!(
+        "measuring the light needs {needed} of memory beside it, and {free} are free; use a smaller size"
+    )))
+}
+
 /// Runs the scene, printing a line for every iteration. Errors are those of the octree against itself and
 /// against the uniform volume, and against `truth` where it is given.
-pub fn run(simulation: &mut Simulation<f32>, truth: Option<&Ballistic>) -> Course {
+pub fn run(simulation: &mut Simulation<f32>, truth: Option<&Ballistic>) -> Result<Course, CliError> {
+    check_room(simulation)?;
     let iterations = simulation.problem().propagation.iterations;
     let bar = bar(iterations as u64, "{bar:40} iteration {pos} of {len}, {eta} left");
     say!("{}", LINE_HEAD);
@@ -56,7 +72,7 @@ pub fn run(simulation: &mut Simulation<f32>, truth: Option<&Ballistic>) -> Cours
     bar.finish_and_clear();
     let seconds = started.elapsed().as_secs_f64() - aside;
     let interrupted = interrupt::asked() && simulation.iteration() < iterations;
-    Course { rows, seconds, interrupted }
+    Ok(Course { rows, seconds, interrupted })
 }
 
 /// Every metric of the present iteration, the thesis's over all levels first.

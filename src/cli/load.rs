@@ -5,13 +5,18 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::CliError;
+use super::console::remark;
 use super::numbers::{decimal, whole};
+use crate::scene::doubts::doubts;
 use crate::scene::preset::LONGEST;
 use crate::scene::propagation::Policy;
 use crate::scene::propagation::ordinates::Rule;
-use crate::scene::{Preset, Problem, builtin, file};
-use crate::system::text::{nearest, shortened};
+use crate::scene::{Preset, Problem, SceneError, builtin, file};
+use crate::system::text::{nearest, one_line, shortened};
 use crate::transport::preset;
+
+/// The most characters of a title that are printed.
+const LONGEST_TITLE: usize = 100;
 
 /// A preset and what is to be different from what it says.
 #[derive(Args, Debug, Clone, Default)]
@@ -76,7 +81,16 @@ impl SceneArgs {
         // What the file says was right when it was opened, so a fault here is the command line's.
         preset::check(&preset).map_err(|fault| CliError::Input(format!("the command line: {fault}")))?;
         let problem = Problem::build(&preset, &folder).map_err(|error| error.at_its_place(&text, &self.preset))?;
+        for doubt in doubts(&preset, &problem) {
+            remark!("warning: {}", SceneError::from(doubt).at_its_place(&text, &self.preset));
+        }
         Ok((preset, problem))
+    }
+
+    /// What people see of the preset in a line: its title, or its file's name.
+    pub fn title(&self, preset: &Preset) -> String {
+        let title = if preset.title.is_empty() { self.stem() } else { preset.title.clone() };
+        shortened(&one_line(&title), LONGEST_TITLE)
     }
 
     /// A name for what the preset makes: its file name without the ending.

@@ -6,6 +6,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::CliError;
 use super::console::{self, say};
+use super::numbers::decimal;
 use super::output::Folder;
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
@@ -15,7 +16,7 @@ use crate::study::pareto::{self, Row};
 
 /// A propagation factor from the command line.
 pub fn factor(text: &str) -> Result<f64, String> {
-    let factor = text.parse().ok().filter(|p: &f64| p.is_finite() && *p >= 0.0);
+    let factor = Some(decimal(text)?).filter(|p| p.is_finite() && *p >= 0.0);
     factor.ok_or_else(|| "a factor is a finite number, zero or more".to_owned())
 }
 

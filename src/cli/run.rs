@@ -194,7 +194,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let folder = Folder::of_preset(args.out.as_deref(), &args.scene.preset)?;
     interrupt::listen();
     let truth = if args.ballistic { Some(course::truth(simulation.problem())?) } else { None };
-    let Course { rows, seconds, interrupted } = course::run(&mut simulation, truth.as_ref());
+    let Course { rows, seconds, interrupted } = course::run(&mut simulation, truth.as_ref())?;
 
     let title = if preset.title.is_empty() { args.scene.stem() } else { preset.title.clone() };
     folder.write_table("errors.csv", &table::errors(&rows))?;

@@ -8,6 +8,7 @@ use clap::Args;
 use indicatif::ProgressBar;
 
 use super::console::say;
+use super::numbers::decimal;
 use super::output::Folder;
 use super::{CliError, SceneArgs};
 use crate::report::colour::Theme;
@@ -33,7 +34,7 @@ pub struct StabilityArgs {
     /// A preset, or the name of a built-in one: what becomes of its levels at its own factor
     preset: Option<PathBuf>,
     /// Look at the preset with this factor instead
-    #[arg(long, value_name = "P", requires = "preset")]
+    #[arg(long, value_name = "P", requires = "preset", value_parser = decimal, allow_negative_numbers = true)]
     factor: Option<f64>,
     /// The sides of the volumes, powers of two up to 64
     #[arg(long, value_name = "N,N", value_delimiter = ',', default_values_t = [2, 4, 8, 16])]
@@ -96,7 +97,9 @@ pub fn run(args: &StabilityArgs) -> Result<(), CliError> {
         folder.write_svg_and_png("drift", &drift_figure(args, &drifts).to_svg())?;
         say!("Results in {}", folder.path().display());
     }
-    save_findings(args.seed, &outcome, folder.as_ref().map_or(Path::new(""), Folder::path))
+    save_findings(args.seed, &outcome, folder.as_ref())?;
+    folder.into_iter().for_each(Folder::finish);
+    Ok(())
 }
 
 /// Tries the random scenes, with a bar where somebody watches.
@@ -121,10 +124,19 @@ fn rules_table(outcome: &Outcome) -> Table<3> {
 }
 
 /// Saves what broke a rule; the command failed if anything did.
-fn save_findings(seed: u64, outcome: &Outcome, folder: &Path) -> Result<(), CliError> {
+fn save_findings(seed: u64, outcome: &Outcome, folder: Option<&Folder>) -> Result<(), CliError> {
     for finding in &outcome.findings {
-        let path = folder.join(format!("broken-{seed}-{}.ron", finding.scene));
-        finding.preset.save(&path).map_err(|e| CliError::Failed(e.to_string()))?;
+        let name = format!("broken-{seed}-{}.ron", finding.scene);
+        let path = match folder {
+            Some(folder) => {
+                folder.write(&name, finding.preset.to_ron())?;
+                folder.path().join(name)
+            }
+            None => {
+                finding.preset.save(Path::new(&name)).map_err(|e| CliError::Failed(e.to_string()))?;
+                PathBuf::from(name)
+            }
+        };
         say!("{}: {}", path.display(), finding.broken);
     }
     match outcome.findings.len() {

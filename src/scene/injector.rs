@@ -62,9 +62,10 @@ pub enum InjectorKind {
     File {
         /// The file, relative to the preset's folder and inside it: `.npy`, anything else is read as CSV.
         path: PathBuf,
-        /// Which light of a file that holds two; `Source`.
-        #[serde(default, skip_serializing_if = "is_source")]
-        column: Column,
+        /// Which light of a file: it must be named where the file holds two. A `.npy` file holds one and says not
+        /// which.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        column: Option<Column>,
     },
 }
 
@@ -236,8 +237,4 @@ pub(super) fn yes() -> bool {
 /// Whether something is enabled, as it is by default.
 pub(super) fn is_yes(enabled: &bool) -> bool {
     *enabled
-}
-
-fn is_source(column: &Column) -> bool {
-    *column == Column::Source
 }
