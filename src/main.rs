@@ -7,6 +7,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use lpv_lab::cli::{self, Cli, CliError, RunArgs, console};
+use lpv_lab::system::memory;
 #[cfg(feature = "app")]
 use lpv_lab::system::text::shortened;
 use lpv_lab::transport::team;
@@ -41,6 +42,7 @@ fn obey() -> Result<(), CliError> {
             return Ok(());
         }
     };
+    memory::check().map_err(CliError::Failed)?;
     let (got, wanted) = team::gather();
     if got < wanted {
         console::note(format_args!("{got} of {wanted} threads can be started (ulimit -u or -v), so it takes longer"));

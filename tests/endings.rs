@@ -286,3 +286,52 @@ fn what_cannot_be_written_is_told_before_the_work() {
         assert_eq!(output.stdout, b"", "{args}: nothing is worked on");
     }
 }
+
+/// From too little to start with to more than enough.
+#[cfg(target_os = "linux")]
+#[test]
+fn limits_of_memory_end_in_one_line() {
+    let place = Place::new();
+    let text = SMALL.replace("size: 8", "size: 128");
+    fs::write(place.at("large.ron"), text).expect("writable");
+    let (mut done, mut refused) = (0, 0);
+    for kibibytes in (24_000..=400_000).step_by(16_000) {
+        for args in ["cells large.ron --out c.npy", "run small.ron --out r", "run large.ron --out r"] {
+            let output = place.limited(&format!("ulimit -v {kibibytes}"), args).output().expect("started");
+            let said = stderr(&output);
+            match output.status.code() {
+                Some(0) => done += 1,
+                Some(1 | 2) => {
+                    refused += 1;
+                    assert!(said.lines().count() == 1 && said.contains("memory"), "{kibibytes} {args}: {said}");
+                }
+                other => panic!("{kibibytes} {args}: {other:?} {said}"),
+            }
+        }
+    }
+    assert!(done > 10 && refused > 10, "{done} done, {refused} refused");
+}
+
+/// The superuser may start as many threads as he likes, so the program is started as nobody.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_limit_of_threads_makes_it_slower_and_says_so() {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt};
+    use std::os::unix::process::CommandExt;
+    const NOBODY: u32 = 65534;
+    let place = Place::new();
+    // A copy, because the program may lie in a folder that nobody may enter.
+    fs::copy(assert_cmd::cargo::cargo_bin("lpv-lab"), place.at("lab")).expect("copied");
+    fs::set_permissions(place.0.path(), fs::Permissions::from_mode(0o777)).expect("changeable");
+    let mut command = Command::new("sh");
+    command.args(["-c", "ulimit -u 1; exec ./lab run small.ron --out r"]).current_dir(place.0.path());
+    command.env("RAYON_NUM_THREADS", "3").env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
+    if fs::metadata(place.0.path()).expect("a folder").uid() == 0 {
+        command.uid(NOBODY).gid(NOBODY);
+    }
+    let output = command.output().expect("started");
+    let said = stderr(&output);
+    assert_eq!((output.status.code(), said.lines().count()), (Some(0), 1), "{said}");
+    assert!(said.contains("1 of 3 threads can be started"), "{said}");
+    check_whole(&place.at("r/errors.csv"));
+}

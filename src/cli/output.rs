@@ -60,9 +60,10 @@ impl Folder {
         fs::create_dir_all(&path).map_err(|e| refused(&e))?;
         let lock = lock(&path)?;
         // The surest way to know whether files can be made here is to make one.
-        let probe = path.join(format!(".lpv-lab-{}", std::process::id()));
-        let probed = File::create_new(&probe).and_then(|_| fs::remove_file(&probe));
+        let probe = path.join(".lpv-lab.new");
+        let probed = File::create(&probe).and_then(|_| fs::remove_file(&probe));
         probed.map_err(|e| refused(&e))?;
+        file::clear_up(&path);
         let record = Mutex::new(Record::read(&path, of));
         Ok(Folder { path, record, _lock: lock })
     }

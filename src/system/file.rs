@@ -214,19 +214,35 @@ fn unfinished_name(name: &OsStr, number: &str) -> OsString {
     unfinished
 }
 
-/// Removes the old unfinished files beside `path` whose names begin with `start`. Where one cannot be removed it
-/// stays: that must not keep anybody from saving.
+/// Removes what killed programs left unfinished in a folder, whatever it was to become.
+pub fn clear_up(folder: &Path) {
+    remove_unfinished(folder, |name| {
+        let rest = name.strip_prefix(b".")?;
+        let dot = rest.iter().rposition(|byte| *byte == b'.')?;
+        Some(&rest[dot + 1..])
+    });
+}
+
+/// Removes the old unfinished files beside `path` whose names begin with `start`.
+fn remove_left_behind(path: &Path, start: &OsStr) {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    remove_unfinished(folder, |name| name.strip_prefix(start.as_encoded_bytes()));
+}
+
+/// Removes old unfinished files from a folder. `number` takes one's name without its ending and gives the number in it,
+/// or `None` where it is not to be removed. Where a file cannot be removed it stays: that must not keep anybody from
+/// saving.
 ///
 /// Files without a name (`O_TMPFILE`) would leave nothing behind until they get one, but must get one before they can
 /// take another's place; so names that say whose they are remain needed, and serve everywhere.
-fn remove_left_behind(path: &Path, start: &OsStr) {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+fn remove_unfinished(folder: &Path, number: impl for<'a> Fn(&'a [u8]) -> Option<&'a [u8]>) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
         let name = entry.file_name();
-        let between = name.as_encoded_bytes().strip_prefix(start.as_encoded_bytes());
-        let number = between.and_then(|rest| rest.strip_suffix(UNFINISHED.as_bytes()));
-        if !number.is_some_and(|number| number.iter().all(|byte| byte.is_ascii_digit() || *byte == b'-')) {
+        let number = name.as_encoded_bytes().strip_suffix(UNFINISHED.as_bytes()).and_then(&number);
+        let is_number =
+            |text: &[u8]| !text.is_empty() && text.iter().all(|byte| byte.is_ascii_digit() || *byte == b'-');
+        if !number.is_some_and(is_number) {
             continue;
         }
         let age = entry.metadata().and_then(|metadata| metadata.modified()).ok().and_then(|time| time.elapsed().ok());
@@ -291,6 +307,8 @@ mod tests {
         left.sort();
         expected.sort();
         assert_eq!(left, expected);
+        clear_up(folder.path());
+        assert!(!at(".b.ron.7-0.new").exists() && at(".a.ron.8-1.new").exists() && at(".a.ron.my-own.new").exists());
     }
 
     #[test]
