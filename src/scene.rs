@@ -23,6 +23,7 @@ mod row_text;
 mod rows;
 mod solids;
 mod syntax;
+mod value;
 
 use std::path::Path;
 

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::cell_file::{self, Column};
 use super::error::{Fault, SceneError};
 use super::file;
-use super::propagation::not_negative;
 use super::region::{Region, check_cell};
+use super::value::{not_negative, unit};
 use crate::field::Cell;
 use crate::sh::Sh;
 
@@ -198,18 +198,6 @@ fn check_rectangle(from: Cell, to: Cell, size: usize) -> Result<(), Fault> {
         return Err(Fault::new(what, "give `from` and `to` the same x, y or z").field("to"));
     }
     Ok(())
-}
-
-/// The unit vector along `vector`, which must be finite and not zero; `what` names it.
-pub(super) fn unit(vector: [f64; 3], what: &str) -> Result<DVec3, Fault> {
-    let vector = DVec3::from_array(vector);
-    // The largest part first: squares of very long or very short vectors would overflow or vanish.
-    let scaled = vector / vector.abs().max_element();
-    scaled.try_normalize().ok_or_else(|| {
-        let DVec3 { x, y, z } = vector;
-        let fault = if vector.is_finite() { "has length zero" } else { "is not finite" };
-        Fault::new(format!("the {what} ({x}, {y}, {z}) {fault}"), "any other length will do, such as (1, 0, 0)")
-    })
 }
 
 fn one() -> f64 {

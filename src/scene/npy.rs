@@ -10,7 +10,6 @@ use std::path::Path;
 use npyz::{DType, WriterBuilder};
 
 use super::error::{SceneError, quote};
-use super::preset::LARGEST;
 use super::row_text::other_kind;
 use super::rows::Wrong;
 use crate::field::{Cell, Grid, Layout};
@@ -20,8 +19,8 @@ use crate::system::file;
 /// The longest header that is read, in bytes; that of a plain array takes 118.
 const LONGEST_HEADER: usize = 4096;
 
-/// The longest file that is looked into: light in the largest volume, as f8.
-const LONGEST: u64 = 12 + LONGEST_HEADER as u64 + (LARGEST as u64).pow(3) * 4 * 8;
+/// The longest file that is looked into: light in the largest volume, of side 1024, as f8.
+const LONGEST: u64 = 12 + LONGEST_HEADER as u64 + 1024u64.pow(3) * 4 * 8;
 
 /// The lit cells of a file, at most `most`, for a volume of side `size`: z slowest, x fastest.
 pub(super) fn read(path: &Path, size: usize, most: usize) -> Result<Vec<(Cell, Sh<f64>)>, SceneError> {

@@ -6,9 +6,8 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::error::SceneError;
-use super::injector::unit;
-use super::occluder::check_share;
 use super::rows;
+use super::value::{check_share, unit};
 use crate::field::Cell;
 
 const HEADERS: [&str; 4] = ["x,y,z", "x,y,z,opacity", "x,y,z,nx,ny,nz", "x,y,z,nx,ny,nz,opacity"];
