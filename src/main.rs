@@ -2,11 +2,11 @@
 #![forbid(unsafe_code)]
 
 use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
-use lpv_lab::cli::{self, Cli, CliError, RunArgs, console};
+use lpv_lab::cli::{self, Cli, CliError, Opened, RunArgs, console};
 use lpv_lab::system::memory;
 #[cfg(feature = "app")]
 use lpv_lab::system::text::shortened;
@@ -86,7 +86,7 @@ fn open(preset: PathBuf) -> Result<(), CliError> {
     if let Some(meant) = preset.to_str().filter(|name| !cli::is_built_in(name)).and_then(cli::mistyped) {
         return Err(CliError::Input(meant));
     }
-    let why_not = match window(&preset)? {
+    let why_not = match window(cli::open(&preset)?) {
         None => return Ok(()),
         Some(why_not) => why_not,
     };
@@ -98,12 +98,11 @@ fn open(preset: PathBuf) -> Result<(), CliError> {
 
 /// Shows the window until it is closed; the reason if there can be none.
 #[cfg(feature = "app")]
-fn window(path: &Path) -> Result<Option<String>, CliError> {
-    let cli::Opened { preset, file, .. } = cli::open(path)?;
+fn window(Opened { preset, file, .. }: Opened) -> Option<String> {
     if cfg!(target_os = "linux") && ["DISPLAY", "WAYLAND_DISPLAY"].iter().all(|v| std::env::var_os(v).is_none()) {
-        return Ok(Some("no display".to_owned()));
+        return Some("no display".to_owned());
     }
-    Ok(lpv_lab::app::run(preset, file).err().map(|error| format!("no window ({})", brief(&error.to_string()))))
+    lpv_lab::app::run(preset, file).err().map(|error| format!("no window ({})", brief(&error.to_string())))
 }
 
 /// The first sentence of what a driver says: the rest is for those who write drivers.
@@ -115,6 +114,6 @@ fn brief(error: &str) -> String {
 }
 
 #[cfg(not(feature = "app"))]
-fn window(_: &Path) -> Result<Option<String>, CliError> {
-    Ok(Some("built without the window".to_owned()))
+fn window(_: Opened) -> Option<String> {
+    Some("built without the window".to_owned())
 }

@@ -323,7 +323,7 @@ fn a_limit_of_threads_makes_it_slower_and_says_so() {
     // A copy, because the program may lie in a folder that nobody may enter.
     fs::copy(assert_cmd::cargo::cargo_bin("lpv-lab"), place.at("lab")).expect("copied");
     fs::set_permissions(place.0.path(), fs::Permissions::from_mode(0o777)).expect("changeable");
-    let mut command = Command::new("sh");
+    let mut command = Command::new("bash");
     command.args(["-c", "ulimit -u 1; exec ./lab run small.ron --out r"]).current_dir(place.0.path());
     command.env("RAYON_NUM_THREADS", "3").env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
     if fs::metadata(place.0.path()).expect("a folder").uid() == 0 {

@@ -100,7 +100,9 @@ impl Folder {
     /// # Errors
     /// Where that cannot be done.
     pub fn write_table<const N: usize>(&self, name: &str, table: &Table<N>) -> Result<(), CliError> {
-        self.write_with(name, |out| table.write_csv(out))
+        let mut bytes = Vec::new();
+        table.write_csv(&mut bytes).map_err(|e| CliError::Failed(format!("{name}: {e}")))?;
+        self.write(name, bytes)
     }
 
     /// Writes a drawing as `name`.svg and `name`.png.

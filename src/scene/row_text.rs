@@ -79,13 +79,13 @@ mod tests {
 
     #[test]
     fn a_decimal_comma_is_read_where_it_separates_nothing() {
-        let fields = |row: &str| {
-            let separator = Separator::of(row);
+        let fields = |header: &str, row: &str| {
+            let separator = Separator::of(header);
             separator.fields(row).map(|field| separator.number(field)).collect::<Vec<_>>()
         };
-        assert_eq!(fields("1;-0,5;2.5;\"1e-3\""), [Some(1.0), Some(-0.5), Some(2.5), Some(1e-3)]);
-        assert_eq!(fields("1\t-0.5"), [Some(1.0), Some(-0.5)]);
-        assert_eq!(fields("1, -0.5 ,\" 2\""), [Some(1.0), Some(-0.5), Some(2.0)]);
+        assert_eq!(fields("x;y;z;c", "1;-0,5;2.5;\"1e-3\""), [Some(1.0), Some(-0.5), Some(2.5), Some(1e-3)]);
+        assert_eq!(fields("x\ty", "1\t-0,5"), [Some(1.0), Some(-0.5)]);
+        assert_eq!(fields("x,y,z", "1, -0.5 ,\" 2\""), [Some(1.0), Some(-0.5), Some(2.0)]);
         let semicolon = Separator::Semicolon;
         for field in ["1.234,5", "1,234,5", "", "inf", "NaN", "1e999", "x", "\"1"] {
             assert_eq!(semicolon.number(field), None, "{field}");

@@ -19,7 +19,7 @@ pub(super) fn error(error: SpannedError, text: &str, name: &Path) -> SceneError 
 
 /// Whether the parser stumbled over `3,5`, which is a number in half of the world's spreadsheets.
 fn decimal_comma(error: &SpannedError, text: &str) -> Option<(String, String)> {
-    if !matches!(error.code, Error::ExpectedIdentifier) {
+    if !matches!(error.code, Error::ExpectedIdentifier | Error::SuggestRawIdentifier(_)) {
         return None;
     }
     let line = text.lines().nth(error.span.start.line.checked_sub(1)?)?;

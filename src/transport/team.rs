@@ -38,7 +38,11 @@ fn startable(wanted: usize) -> usize {
     let ended = &Mutex::new(());
     let held = ended.lock().unwrap_or_else(PoisonError::into_inner);
     std::thread::scope(|scope| {
-        let wait = move || drop(ended.lock());
+        // Each takes some memory, as threads of the pool will: under `ulimit -v` that is what one may lack.
+        let wait = move || {
+            std::hint::black_box(vec![0u8; 1 << 12]);
+            drop(ended.lock());
+        };
         let started = (0..wanted).take_while(|_| std::thread::Builder::new().spawn_scoped(scope, wait).is_ok()).count();
         drop(held);
         started
