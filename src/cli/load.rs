@@ -93,9 +93,9 @@ impl SceneArgs {
         shortened(&one_line(&title), LONGEST_TITLE)
     }
 
-    /// A name for what the preset makes: its file name without the ending.
+    /// A name for what the preset makes: its file name without the ending, fit to be shown.
     pub fn stem(&self) -> String {
-        self.preset.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+        one_line(&self.preset.file_stem().unwrap_or_default().to_string_lossy())
     }
 }
 
