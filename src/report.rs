@@ -6,6 +6,7 @@
 mod axis;
 pub mod colour;
 pub mod error_figure;
+pub mod fonts;
 pub mod glyph;
 mod legend;
 pub mod number;
