@@ -7,6 +7,7 @@ pub mod apng;
 mod axis;
 pub mod colour;
 pub mod error_figure;
+pub mod fonts;
 pub mod glyph;
 mod legend;
 pub mod number;

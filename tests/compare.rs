@@ -36,7 +36,7 @@ fn walled(mode: OcclusionMode) -> Problem {
 }
 
 fn against_uniform(problem: &Problem, scheme: &str) -> Finding {
-    compare::run(scene, scheme, Expectation::Merged, &References::default()).unwrap().unwrap()
+    compare::run(problem, scheme, Expectation::Merged, &References::default()).unwrap().unwrap()
 }
 
 #[test]

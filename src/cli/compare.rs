@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
+use super::console::{self, say};
+use super::numbers::{decimal, whole};
 use super::output::Folder;
 use super::{CliError, SceneArgs, course};
 use crate::report::table::{Table, Value};
@@ -35,10 +37,10 @@ pub struct CompareArgs {
     #[arg(long, default_value = Expectation::Merged.reference(), value_parser = reference())]
     reference: Expectation,
     /// Propagation iterations, k
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", value_parser = whole, allow_negative_numbers = true)]
     iterations: Option<usize>,
     /// The propagation factor, p
-    #[arg(long, value_name = "P")]
+    #[arg(long, value_name = "P", value_parser = decimal, allow_negative_numbers = true)]
     factor: Option<f64>,
     /// The folder to write compare.csv to
     #[arg(long, value_name = "DIR")]
@@ -75,27 +77,26 @@ pub fn run(args: &CompareArgs) -> Result<(), CliError> {
         };
         let (document, problem) = scene_args.load()?;
         let gap = if i == 0 { "" } else { "\n" };
-        println!(
+        say!(
             "{gap}{}: {}³, p = {}, k = {}, against {}",
-            if document.title.is_empty() { scene_args.stem() } else { document.title },
+            scene_args.title(&document),
             problem.size,
             problem.propagation.factor,
             problem.propagation.iterations,
             expectation.reference()
         );
-        let references = course::references(&problem, &[expectation]);
+        let references = course::references(&problem, &[expectation])?;
         let mut table = Table::new(TEXT_COLUMNS);
         for name in &names {
             let Some(finding) = compare::run(&problem, name, expectation, &references)? else { continue };
             table.push(text_row(&finding));
             csv.push(csv_row(&scene_args.stem(), &problem, expectation, &finding));
         }
-        print!("{}", table.to_text());
+        console::print(format_args!("{}", table.to_text()));
     }
     if let Some(folder) = folder {
-        let mut bytes = Vec::new();
-        csv.write_csv(&mut bytes).map_err(|e| CliError::Failed(format!("compare.csv: {e}")))?;
-        folder.write("compare.csv", bytes)?;
+        folder.write_table("compare.csv", &csv)?;
+        folder.finish();
     }
     Ok(())
 }

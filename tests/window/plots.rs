@@ -18,7 +18,10 @@ fn errors_against_what_truly_arrives_are_computed_once_and_for_the_past_too() {
     choose(&mut harness, "Error metric", "ballistic");
     let measured = |harness: &Window| {
         let run = lab(harness).curves()[0].clone();
-        (run.curve(Expectation::Ballistic, None, |row| row.l1_ratio), run.fits)
+        (
+            run.curve(Expectation::Ballistic, None, |row| row.l1_ratio),
+            run.curve(Expectation::Ballistic, None, |row| row.l1_best_fit.unwrap()),
+        )
     };
     let (ratios, fits) = measured(&harness);
     let iterations: Vec<f64> = ratios.iter().map(|[k, _]| *k).collect();

@@ -19,7 +19,6 @@ use crate::report::plot::Figure;
 use crate::report::slice::Axis;
 use crate::report::{pareto_figure, raster, table};
 use crate::scene::file::write_whole;
-use crate::study::expectation::Expectation;
 
 /// Why there is nothing to export of a line.
 const NO_LINE: &str = "the light along the line is not computed yet; try again when it is shown";
@@ -29,7 +28,7 @@ const NO_LINE: &str = "the light along the line is not computed yet; try again w
 fn csv(runs: &[&Curves]) -> Result<String, Box<dyn Error>> {
     let mut out = csv::Writer::from_writer(Vec::new());
     let several = runs.len() > 1;
-    let fitted = runs.iter().any(|run| !run.fits.is_empty());
+    let fitted = runs.iter().flat_map(|run| &run.rows).any(|row| row.l1_best_fit.is_some());
     for (i, run) in runs.iter().enumerate() {
         let mut bytes = Vec::new();
         table::errors(&run.rows).write_csv(&mut bytes)?;
@@ -38,11 +37,7 @@ fn csv(runs: &[&Curves]) -> Result<String, Box<dyn Error>> {
             let name = if line == 0 { "run" } else { run.name.as_str() };
             let fit = match line.checked_sub(1).map(|at| &run.rows[at]) {
                 None => "l1_best_fit".to_owned(),
-                Some(row) if row.expectation == Expectation::Ballistic => {
-                    let here = |[k, _]: &&[f64; 2]| *k == row.iteration as f64;
-                    run.fits.iter().find(here).map(|[_, fit]| fit.to_string()).unwrap_or_default()
-                }
-                Some(_) => String::new(),
+                Some(row) => row.l1_best_fit.map(|fit| fit.to_string()).unwrap_or_default(),
             };
             let after = fitted.then_some(fit.as_str());
             out.write_record(several.then_some(name).into_iter().chain(row?.iter()).chain(after))?;

@@ -10,8 +10,6 @@ pub struct Curves {
     pub name: String,
     /// Its errors.
     pub rows: Vec<ErrorRow>,
-    /// (iteration, L1 ratio against what truly arrives after the scalar that fits best), where it is known.
-    pub fits: Vec<[f64; 2]>,
     /// Its colour, by number.
     pub color: usize,
     /// What each of its iterations took, in seconds.
@@ -27,20 +25,13 @@ impl Curves {
     /// Drops the errors of iteration `k` and later ones.
     pub fn forget_from(&mut self, k: usize) {
         self.rows.retain(|row| row.iteration < k);
-        self.fits.retain(|[iteration, _]| *iteration < k as f64);
     }
 
     /// Takes in the errors of an iteration in place of those that were known by the same metric.
     pub fn put(&mut self, iteration: usize, metric: Expectation, measured: Vec<ErrorRow>) {
         self.rows.retain(|row| (row.iteration, row.expectation) != (iteration, metric));
-        self.rows.extend(&measured);
+        self.rows.extend(measured);
         self.rows.sort_by_key(|row| row.iteration);
-        if metric == Expectation::Ballistic {
-            self.fits.retain(|[k, _]| *k != iteration as f64);
-            let fitted = measured.iter().filter_map(|row| row.l1_best_fit);
-            self.fits.extend(fitted.map(|fitted| [iteration as f64, fitted]));
-            self.fits.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        }
     }
 
     /// Its latest errors up to iteration `k`.
@@ -93,12 +84,16 @@ mod tests {
         run
     }
 
+    fn fits(run: &Curves) -> Vec<[f64; 2]> {
+        run.curve(Expectation::Ballistic, None, |row| row.l1_best_fit.unwrap())
+    }
+
     #[test]
     fn going_back_drops_what_came_after() {
         let mut run = run(5);
         run.forget_from(2);
         assert_eq!(run.curve(Expectation::Thesis, None, |row| row.absolute_mean), [[0.0, 0.0], [1.0, 1.0]]);
-        assert_eq!(run.fits, [[0.0, 0.5], [1.0, 0.5]]);
+        assert_eq!(fits(&run), [[0.0, 0.5], [1.0, 0.5]]);
         assert!(run.curve(Expectation::Thesis, Some(1), |row| row.absolute_mean).is_empty());
     }
 
@@ -108,7 +103,7 @@ mod tests {
         run.put(1, Expectation::Thesis, measured(Expectation::Thesis, 1, 7.0, None));
         assert_eq!(run.curve(Expectation::Thesis, None, |row| row.absolute_mean), [[0.0, 0.0], [1.0, 7.0], [2.0, 2.0]]);
         run.put(2, Expectation::Ballistic, measured(Expectation::Ballistic, 2, 0.125, Some(0.0625)));
-        assert_eq!(run.fits, [[0.0, 0.5], [1.0, 0.5], [2.0, 0.0625]]);
+        assert_eq!(fits(&run), [[0.0, 0.5], [1.0, 0.5], [2.0, 0.0625]]);
         assert_eq!(run.curve(Expectation::Thesis, None, |row| row.absolute_mean).len(), 3);
     }
 }

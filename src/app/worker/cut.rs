@@ -183,12 +183,12 @@ pub(in crate::app) mod tests {
         }
     }
 
-    pub fn none() -> References {
+    fn none() -> References {
         References::default()
     }
 
     /// What truly arrives in a track's scene.
-    pub fn references(track: &Track) -> References {
+    fn references(track: &Track) -> References {
         let mut references = none();
         Expectation::Ballistic.prepare(track.now().problem(), &mut references, &|_| true);
         references

@@ -8,10 +8,8 @@ use crate::study::expectation::{Expectation, References};
 
 /// The errors of a state against an expectation; what is dark, or lacks the references, has none.
 pub fn errors(state: &Simulation<f32>, expectation: Expectation, references: &References) -> Vec<ErrorRow> {
-    if (0..state.sizes().count()).all(|i| state.index().level(i).count() == 0) {
-        return Vec::new();
-    }
-    expectation.rows(state, references)
+    let is_dark = (0..state.sizes().count()).all(|i| state.index().level(i).count() == 0);
+    if is_dark { Vec::new() } else { expectation.rows(state, references) }
 }
 
 /// A simulation that remembers.
