@@ -110,3 +110,18 @@ fn the_others_are_held_against_the_run_with_the_star_also_a_reference() {
     let [own, uniform, difference] = std::array::from_fn(|pane| red(lab(&harness), pane, [4, 5]));
     assert_eq!(difference, uniform - own);
 }
+
+#[test]
+fn runs_are_ranked_beside_their_curves_by_what_is_drawn() {
+    let mut harness = comparing();
+    choose(&mut harness, "Propagator B scheme", "axial");
+    click(&mut harness, "Run again");
+    choose(&mut harness, "Error metric", "ballistic");
+    let l1 = |run: &lpv_lab::app::Curves| run.last(Expectation::Ballistic, None, 5).expect("an error").l1_ratio;
+    let mut runs = lab(&harness).curves();
+    runs.sort_by(|a, b| l1(a).total_cmp(&l1(b)));
+    assert_eq!(runs.len(), 2);
+    for (place, run) in runs.iter().enumerate() {
+        harness.get_by_label(&format!("Rank {}: {}", place + 1, run.name));
+    }
+}

@@ -8,6 +8,7 @@ mod compare;
 mod driver;
 mod drops;
 mod exports;
+mod fields;
 mod palette;
 mod plots;
 mod recovery;
