@@ -22,15 +22,14 @@ pub fn add(ui: &mut Ui, field: DragValue<'_>) -> Response {
         number
     };
     let response = ui.add(field.custom_parser(parse));
-    let mistyped = Id::unique("mistyped").with(response.id);
+    let [mistyped, unreadable] = [Id::unique("mistyped").with(response.id), Id::unique("unreadable number")];
+    let left = response.lost_focus();
     ui.data_mut(|data| {
         if let Some(outcome) = tried.take() {
             data.insert_temp(mistyped, outcome.unwrap_or_default());
         }
-        if response.lost_focus()
-            && let Some(text) = data.remove_temp::<String>(mistyped).filter(|text| !text.is_empty())
-        {
-            data.insert_temp(Id::unique("unreadable number"), text);
+        if left && let Some(text) = data.remove_temp::<String>(mistyped).filter(|text| !text.is_empty()) {
+            data.insert_temp(unreadable, text);
         }
     });
     response
@@ -38,7 +37,8 @@ pub fn add(ui: &mut Ui, field: DragValue<'_>) -> Response {
 
 /// The text of a field that was left and is no number, once.
 pub fn take_unreadable(ctx: &Context) -> Option<String> {
-    ctx.data_mut(|data| data.remove_temp(Id::unique("unreadable number")))
+    let unreadable = Id::unique("unreadable number");
+    ctx.data_mut(|data| data.remove_temp(unreadable))
 }
 
 /// A number as people write it: blanks between thousands, a true minus, a point or a comma before decimals.

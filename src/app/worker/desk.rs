@@ -97,13 +97,17 @@ impl Desk {
     /// Works until the window is gone.
     pub fn work(mut self) {
         while let Ok(orders) = self.wait() {
-            if catch_unwind(AssertUnwindSafe(|| self.turn(orders))).is_err() {
+            let turn = || {
+                self.turn(orders);
+                (self.wake)();
+            };
+            if catch_unwind(AssertUnwindSafe(turn)).is_err() {
                 // What the panic left half done is not to be shown.
                 self.tracks.clear();
                 self.run = None;
                 self.tell(News::Failed("the computation broke down; edit the scene or run it again".to_owned()));
+                (self.wake)();
             }
-            (self.wake)();
         }
     }
 
