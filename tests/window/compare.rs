@@ -1,5 +1,6 @@
 //! Views side by side.
 
+use egui_kittest::kittest::Queryable;
 use lpv_lab::study::expectation::Expectation;
 
 use crate::driver::*;
