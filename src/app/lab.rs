@@ -111,7 +111,7 @@ impl Lab {
         Panel::bottom("foot").show(ui, |ui| notice::foot(ui, session, &mut asks));
         Panel::bottom("timeline").show(ui, |ui| timeline::ui(ui, session, &mut asks));
         if session.settings.folds.scene(session.size) {
-            Panel::left("scene, folded").exact_size(26.0).resizable(false).show(ui, |ui| {
+            Panel::left("scene, folded").exact_size(36.0).resizable(false).show(ui, |ui| {
                 ui.add_space(4.0);
                 fold_button(ui, "⏵", Command::FoldScene, &mut asks);
             });

@@ -54,7 +54,9 @@ fn grounds(ink: &mut Ink, shown: &Shown, view: &View, scale: &Scale, theme: &The
             for alike in levels.chunk_by(|a, b| a == b) {
                 let (low, high) = (column as f32, (column + alike.len()) as f32);
                 let strip = Rect::from_two_pos(placing.at(low, row as f32), placing.at(high, row as f32 + 1.0));
-                ink.rect(strip, level_tint(theme, usize::from(alike[0])));
+                if alike[0] > 0 {
+                    ink.rect(strip, level_tint(theme, usize::from(alike[0])));
+                }
                 column += alike.len();
             }
         }
@@ -66,7 +68,7 @@ fn grounds(ink: &mut Ink, shown: &Shown, view: &View, scale: &Scale, theme: &The
     }
 }
 
-/// The tint of cells that are sampled from `level`.
+/// The tint of cells that are sampled from `level`; the finest has none.
 pub fn level_tint(theme: &Theme, level: usize) -> Color32 {
     color(theme.curve(level)).gamma_multiply(0.28)
 }

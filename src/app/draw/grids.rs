@@ -245,8 +245,12 @@ fn arrange(room: Vec2, count: usize, gap: f32) -> (usize, f32) {
 /// A view's title, and the names and numbers of its axes.
 fn frame_text(ui: &Ui, rect: Rect, shown: &Shown, title: &str, theme: &Theme, placing: &Placing) {
     let painter = ui.painter();
-    let mut title_job =
-        egui::text::LayoutJob::simple_singleline(title.to_owned(), FontId::proportional(13.0), color(theme.ink));
+    let font = FontId::proportional(13.0);
+    // What explains the title goes first where there is no room for both.
+    let width = |text: &str| painter.layout_no_wrap(text.to_owned(), font.clone(), color(theme.ink)).size().x;
+    let short = title.split("  ·  ").next().unwrap_or(title);
+    let title = if width(title) <= rect.width() { title } else { short };
+    let mut title_job = egui::text::LayoutJob::simple_singleline(title.to_owned(), font.clone(), color(theme.ink));
     title_job.wrap = egui::text::TextWrapping::truncate_at_width(rect.width());
     let galley = painter.layout_job(title_job);
     painter.galley(pos2(rect.left(), rect.top() - TITLE + 2.0), galley, color(theme.ink));

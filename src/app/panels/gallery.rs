@@ -4,7 +4,9 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use egui::{Context, Id, Label, Modal, Rect, RichText, ScrollArea, Sense, Shape, TextureHandle, Ui, pos2, vec2};
+use egui::{
+    Align, Context, Id, Label, Layout, Modal, Rect, RichText, ScrollArea, Sense, Shape, TextureHandle, Ui, pos2, vec2,
+};
 
 use crate::app::draw::glyphs::meshes;
 use crate::app::draw::ink::color;
@@ -61,7 +63,7 @@ impl Gallery {
             ui.set_width((room.x - 80.0).clamp(240.0, 3.0 * (CARD + 16.0)));
             ui.horizontal(|ui| {
                 ui.heading("Gallery of presets");
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     if ui.button("Close").clicked() {
                         self.open = false;
                     }
@@ -109,7 +111,7 @@ impl Gallery {
         let frame = Rect::from_min_size(rect.min + vec2(6.0, 6.0), vec2(PICTURE, PICTURE));
         self.picture(ui, name, frame);
         let beside = Rect::from_min_max(pos2(frame.right() + 8.0, rect.top() + 6.0), rect.max - vec2(6.0, 6.0));
-        let mut beside = ui.new_child(egui::UiBuilder::new().max_rect(beside));
+        let mut beside = ui.new_child(egui::UiBuilder::new().max_rect(beside).layout(Layout::top_down(Align::LEFT)));
         beside.set_clip_rect(rect.intersect(ui.clip_rect()));
         beside.label(RichText::new(name).strong());
         beside.add(Label::new(RichText::new(guide).small()).wrap().selectable(false));

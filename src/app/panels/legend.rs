@@ -24,13 +24,15 @@ pub fn ui(ui: &mut Ui, view: &View, scales: &Scales, shown: &[Shown], theme: &Th
             heat(ui, view, scales, theme);
         }
         if view.levels {
-            ui.small("sampled from level");
             let levels = shown.iter().flat_map(|shown| &shown.index).max().map_or(0, |most| usize::from(*most));
-            for level in 0..=levels {
-                swatch(ui, level_tint(theme, level));
-                ui.small(level.to_string());
+            if levels > 0 {
+                ui.small("sampled from level");
+                for level in 1..=levels {
+                    swatch(ui, level_tint(theme, level));
+                    ui.small(level.to_string());
+                }
+                ui.add_space(8.0);
             }
-            ui.add_space(8.0);
         }
         if shown.iter().any(|shown| !shown.slice.borders.is_empty()) {
             let (rect, _) = ui.allocate_exact_size(vec2(14.0, 12.0), Sense::hover());
@@ -72,7 +74,7 @@ fn glyphs(ui: &mut Ui, view: &View, scales: &Scales, shown: &[Shown], theme: &Th
         Paint::Single => {}
         Paint::Direction => {
             wheel(ui, axis, theme);
-            ui.small("where the light goes; grey: towards or away from the eye");
+            ui.small("where light goes").on_hover_text("Grey: towards the eye or away from it");
             ui.add_space(8.0);
         }
         Paint::Light => {
@@ -107,9 +109,9 @@ fn heat(ui: &mut Ui, view: &View, scales: &Scales, theme: &Theme) {
 /// What a full glyph means.
 fn full(scale: &Scale) -> String {
     match scale.glyph {
-        GlyphScale::Linear { full } => format!("fills its cell at {} /sr", number(full)),
+        GlyphScale::Linear { full } => format!("full at {} /sr", number(full)),
         GlyphScale::Log { full, decades } => {
-            format!("fills its cell at {} /sr, nothing {decades} decades below", number(full))
+            format!("full at {} /sr, none {decades} decades below", number(full))
         }
         GlyphScale::PerGlyph => "fills every cell".to_owned(),
     }

@@ -105,7 +105,7 @@ fn entries(ctx: &Context, session: &Session) -> Vec<Entry> {
         add(text, "view", Ask::View(Box::new(view)));
     };
     Paint::ALL.into_iter().for_each(|p| set(format!("Glyph colour: {}", paint_name(p)), &|v| v.paint = p));
-    Fill::ALL.into_iter().for_each(|f| set(f.name().to_owned(), &|v| v.fill = f));
+    Fill::ALL.into_iter().for_each(|f| set(format!("Brightest glyph: {}", f.name().to_lowercase()), &|v| v.fill = f));
     Scaling::ALL.into_iter().for_each(|s| set(format!("Glyph scale: {}", s.name()), &|v| v.scaling = s));
     Heat::ALL.into_iter().for_each(|h| set(format!("Heat map: {}", h.name()), &|v| v.heat = h));
     Hue::ALL.into_iter().for_each(|h| set(format!("Light shown: {}", hue_name(h)), &|v| v.hue = h));

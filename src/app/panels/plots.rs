@@ -53,7 +53,7 @@ pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     match plots.tab {
         Tab::Errors => {
             let runs = session.run.all_curves();
-            if ui.available_width() > WIDE {
+            if runs.len() > 1 && ui.available_width() > WIDE {
                 Panel::right("ranked").exact_size(300.0).resizable(false).show(ui, |ui| {
                     table::ui(ui, session, &theme);
                 });

@@ -61,7 +61,7 @@ fn tools(ui: &mut Ui, session: &Session, asks: &mut Asks) {
 fn cut(ui: &mut Ui, session: &Session, view: &mut View) {
     let progress = &session.run.progress;
     let layers = std::iter::once(Layer::Merged).chain((0..progress.levels.max(1)).map(Layer::Level));
-    combo(ui, "Level", 108.0, &view.layer.name(), |ui| {
+    combo(ui, "Level", 92.0, &view.layer.name(), |ui| {
         for layer in layers {
             ui.selectable_value(&mut view.layer, layer, layer.name());
         }
@@ -86,17 +86,13 @@ fn combo(ui: &mut Ui, full_name: &str, width: f32, text: &str, content: impl FnO
 }
 
 fn scale(ui: &mut Ui, view: &mut View) {
-    combo(ui, "Glyph scale", 104.0, view.scaling.name(), |ui| {
+    combo(ui, "Glyph scale", 92.0, view.scaling.name(), |ui| {
         for scaling in Scaling::ALL {
             ui.selectable_value(&mut view.scaling, scaling, scaling.name());
         }
     });
-    if view.scaling == Scaling::Log {
-        let decades = DragValue::new(&mut view.decades).range(DECADES).speed(0.05).suffix(" decades").max_decimals(1);
-        name(&field::add(ui, decades).on_hover_text("Powers of ten from a full glyph to none"), "Decades");
-    }
     if view.scaling != Scaling::PerGlyph {
-        combo(ui, "Brightest glyph", 112.0, view.fill.name(), |ui| {
+        combo(ui, "Brightest glyph", 80.0, view.fill.name(), |ui| {
             for fill in Fill::ALL {
                 ui.selectable_value(&mut view.fill, fill, fill.name()).on_hover_text(fill.about());
             }
@@ -109,7 +105,7 @@ fn scale(ui: &mut Ui, view: &mut View) {
             );
         }
     }
-    combo(ui, "Glyph colour", 112.0, paint_name(view.paint), |ui| {
+    combo(ui, "Glyph colour", 90.0, paint_name(view.paint), |ui| {
         for paint in Paint::ALL {
             ui.selectable_value(&mut view.paint, paint, paint_name(paint));
         }
@@ -117,6 +113,10 @@ fn scale(ui: &mut Ui, view: &mut View) {
 }
 
 fn layers_menu(ui: &mut Ui, view: &mut View) {
+    if view.scaling == Scaling::Log {
+        let decades = DragValue::new(&mut view.decades).range(DECADES).speed(0.05).suffix(" decades").max_decimals(1);
+        name(&field::add(ui, decades).on_hover_text("Powers of ten from a full glyph to none"), "Decades");
+    }
     ui.checkbox(&mut view.glyphs, "Glyphs");
     ui.checkbox(&mut view.negative, "Negative lobes").on_hover_text("What a clamp removes, in a colour of its own");
     ui.checkbox(&mut view.flux, "Centre and flux")

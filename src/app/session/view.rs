@@ -52,9 +52,9 @@ impl Fill {
     /// Its name on screen.
     pub fn name(self) -> &'static str {
         match self {
-            Fill::Run => "Scale per run",
-            Fill::Frame => "Scale per frame",
-            Fill::Fixed => "Fixed scale",
+            Fill::Run => "Per run",
+            Fill::Frame => "Per frame",
+            Fill::Fixed => "Fixed",
         }
     }
 

@@ -19,6 +19,8 @@ use crate::report::colour::Theme;
 
 /// The height from which the plots have a size of their own, in points.
 const TALL: f32 = 950.0;
+/// The height from which there is room for what to look for, in points.
+const SHORT: f32 = 560.0;
 /// The width from which a cell's numbers stand beside the views, in points.
 const WIDE: f32 = 1250.0;
 
@@ -91,7 +93,9 @@ impl Light {
         let scales = self.scales(session);
         Panel::bottom("legend").show_separator_line(false).frame(Frame::NONE).show(ui, |ui| {
             legend::ui(ui, &session.settings.view, &scales, &session.sight.shown, &theme);
-            guide::ui(ui, session, asks);
+            if session.size.y > SHORT {
+                guide::ui(ui, session, asks);
+            }
         });
         match session.settings.view.stage {
             Stage::Grids => self.flat(ui, session, &theme, &scales, asks),

@@ -1,6 +1,6 @@
 //! The runs beside their curves, the best first: what the curves say at the iteration that is seen, in numbers.
 
-use egui::{Grid, RichText, ScrollArea, Sense, Ui, vec2};
+use egui::{Align, Grid, RichText, ScrollArea, Sense, Ui, vec2};
 
 use crate::app::draw::ink::color;
 use crate::app::panels::field::name;
@@ -33,7 +33,8 @@ pub fn ui(ui: &mut Ui, session: &Session, theme: &Theme) {
             for (place, Line { run, row }) in lines.iter().enumerate() {
                 let (dot, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
                 ui.painter().circle_filled(dot.center(), 4.0, color(theme.curve(run.color)));
-                let label = ui.add(egui::Label::new(RichText::new(&run.name).small()).truncate());
+                let text = egui::Label::new(RichText::new(&run.name).small()).truncate().halign(Align::LEFT);
+                let label = ui.add_sized([118.0, 14.0], text);
                 name(&label, &format!("Rank {}: {}", place + 1, run.name));
                 ui.small(number(row.map(|row| row.l1_ratio)));
                 ui.small(number(row.and_then(|row| row.l1_best_fit)));
