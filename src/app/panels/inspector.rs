@@ -55,7 +55,7 @@ pub fn ui(ui: &mut Ui, session: &Session, pointed: Option<Pointed>, turn: &mut T
         format!("{}: c00 = {}", title(shown, i), number((red + green + blue).0[0] / 3.0))
     });
     ui.add(egui::Label::new(RichText::new(line.unwrap_or_default()).small()).truncate());
-    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| pinned(ui, session, turn, theme));
+    ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| pinned(ui, session, turn, theme));
 }
 
 /// What is known of the pinned cell.

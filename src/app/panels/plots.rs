@@ -20,7 +20,7 @@ use crate::app::session::command::Command;
 use crate::app::session::plots::Tab;
 
 /// The width from which the runs are told in numbers beside their curves, in points.
-const WIDE: f32 = 640.0;
+const WIDE: f32 = 600.0;
 
 /// The tabs, and what is chosen for the plot that is seen.
 pub fn bar(ui: &mut Ui, session: &Session, asks: &mut Asks) {

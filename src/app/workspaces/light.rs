@@ -62,7 +62,7 @@ impl Panels for Light {
             Panel::bottom(name).default_size(room).size_range(90.0..=700.0).resizable(true).show(ui, |ui| {
                 plots::bar(ui, session, asks);
                 if !beside {
-                    Panel::right("inspector").exact_size(292.0).resizable(false).show(ui, |ui| {
+                    Panel::right("inspector").exact_size(312.0).resizable(false).show(ui, |ui| {
                         inspector::ui(ui, session, self.pointed, &mut self.turn, &theme, asks);
                     });
                 }

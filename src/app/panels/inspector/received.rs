@@ -12,15 +12,15 @@ pub fn ui(ui: &mut Ui, session: &Session, sample: &PinSample) {
         return;
     }
     let k = sample.iteration;
-    let heading = ui.label(RichText::new(format!("Received in iteration {k}: c00 from each neighbour")).strong());
+    let heading = ui.label(RichText::new(format!("Received in iteration {k}: c00 by neighbour and face")).strong());
     heading.on_hover_text(
         "What the neighbours sent before anything blocked it, and through which of the cell's faces, by where its lobe \
          points",
     );
-    Grid::new("received").num_columns(8).spacing([6.0, 1.0]).striped(true).show(ui, |ui| {
+    Grid::new("received").num_columns(8).min_col_width(22.0).spacing([4.0, 1.0]).striped(true).show(ui, |ui| {
         ui.small("from");
         ui.small("all");
-        Direction::ALL.iter().for_each(|face| drop(ui.small(format!("{} face", letters(*face)))));
+        Direction::ALL.iter().for_each(|face| drop(ui.small(letters(*face))));
         ui.end_row();
         for sent in &sample.received {
             let [red, green, blue] = sent.light;
