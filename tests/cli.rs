@@ -67,6 +67,18 @@ fn without_a_display_a_preset_is_run_headless_and_it_says_so() {
     assert!(folder.path().join("lpv-lab-results/back-bleeding/errors.csv").exists());
 }
 
+/// No driver's words: one line, whatever stands in the way of a window.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_display_that_cannot_be_opened_is_told_in_one_plain_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let preset = Path::new(env!("CARGO_MANIFEST_DIR")).join("presets/one-lobe.ron");
+    let output = lab().current_dir(folder.path()).env("DISPLAY", ":4711").arg(preset).assert().success();
+    let said = String::from_utf8(output.get_output().stderr.clone()).unwrap();
+    assert_eq!(said.lines().count(), 1, "{said}");
+    assert!(said.contains("headless, results in") && !said.contains(".rs:") && said.len() < 200, "{said}");
+}
+
 #[test]
 fn what_one_run_writes_another_injects_whichever_the_format() {
     let folder = tempfile::tempdir().unwrap();
