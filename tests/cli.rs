@@ -159,6 +159,40 @@ fn light_that_surfaces_do_not_send_is_doubted_with_its_place() {
 }
 
 #[test]
+fn light_that_is_not_there_or_cannot_get_out_is_doubted() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("p.ron");
+    let lamp = "injectors: [\n(kind: Single(cell: (4, 4, 4)))]";
+    let hard = |to: usize| {
+        format!("{lamp}, occluders: [(kind: Box(from: (3, 3, 3), to: (5, 5, {to})))], occlusion: (mode: Hard)")
+    };
+    for (lists, words) in [
+        ("injectors: []".to_owned(), Some("p.ron:1:34: there is no light")),
+        ("injectors: [(kind: Wall(side: NegX), enabled: false)]".to_owned(), Some("there is no light")),
+        ("injectors: [(kind: Wall(side: NegX), color: (0, 0, 0))]".to_owned(), Some("there is no light")),
+        (hard(5), Some("p.ron:2:1: 1 of 1 lit cells are shut in by opaque ones, such as (4, 4, 4)")),
+        // The light's own cell may be opaque, as long as one beside it is not.
+        (hard(4), None),
+        (hard(5).replace("Hard", "Fuzzy"), None),
+        (lamp.to_owned(), None),
+    ] {
+        let text = format!(
+            "(version: 1, size: 8, injectors: {}, propagation: (iterations: 1))",
+            &lists["injectors: ".len()..]
+        );
+        std::fs::write(&path, text).unwrap();
+        let output = lab().arg("cells").arg(&path).assert().success().get_output().clone();
+        let said = String::from_utf8(output.stderr).unwrap();
+        match words {
+            Some(words) => {
+                assert!(said.lines().count() == 1 && said.contains("warning: ") && said.contains(words), "{said}")
+            }
+            None => assert_eq!(said, "", "{lists}"),
+        }
+    }
+}
+
+#[test]
 fn nothing_in_a_title_or_a_name_steers_the_terminal_or_the_picture() {
     let folder = tempfile::tempdir().unwrap();
     let injectors = "injectors: [(kind: Wall(side: NegX))], propagation: (iterations: 1)";
