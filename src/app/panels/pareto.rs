@@ -21,7 +21,6 @@ use crate::scene::Problem;
 use crate::study::pareto::{Row, front, measure, measure_against};
 use crate::transport;
 use crate::transport::ballistic::Ballistic;
-use crate::transport::ordinates;
 
 /// Rounds over all ways; medians are shown.
 const ROUNDS: usize = 3;
@@ -92,9 +91,9 @@ fn start(
     })
 }
 
-/// Whether a row is of the propagator called `name`, with whatever directions if that is ordinates.
+/// Whether a row is of the propagator called `name`, whatever it adds of its settings.
 fn is_of(row: &Row, name: &str) -> bool {
-    row.scheme == name || (name == ordinates::NAME && row.scheme.starts_with(name))
+    row.scheme.split('-').next() == Some(name)
 }
 
 /// The rows against one reference that have a place in the plot: light that diverged has none.
