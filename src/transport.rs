@@ -7,6 +7,8 @@
 
 pub mod ballistic;
 pub mod divergence;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod kind;
 pub mod lattice;
 pub mod options;
