@@ -8,7 +8,6 @@ use super::format::Format;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
 use crate::study::pareto::{Row, front};
 use crate::transport;
-use crate::transport::ordinates;
 
 /// The ways to treat levels, as rows name them.
 pub const LEVELS: [&str; 4] = ["uniform", "same", "consistent", "converged"];
@@ -43,9 +42,9 @@ impl ParetoChoice {
     }
 }
 
-/// Whether a row is of the propagator called `name`, with whatever directions if that is ordinates.
+/// Whether a row is of the propagator called `name`, whatever it adds of its settings.
 pub fn is_of(row: &Row, name: &str) -> bool {
-    row.scheme == name || (name == ordinates::NAME && row.scheme.starts_with(name))
+    row.scheme.split('-').next() == Some(name)
 }
 
 /// The rows against one reference that have a place in the plot: light that diverged has none.

@@ -1,6 +1,6 @@
 //! One propagator on its way through a scene: the simulation, its past and its errors.
 
-use crate::app::worker::history::{self, History};
+use crate::app::worker::history::History;
 use crate::scene::Problem;
 use crate::simulation::{Action, Change, Refusal, Simulation};
 use crate::study::ballistic;
