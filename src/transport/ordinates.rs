@@ -36,10 +36,13 @@ use beams::Beams;
 use directions::Direction;
 use shares::Shares;
 
+/// The name of the one kind of transport that this is.
+pub const NAME: &str = "ordinates";
+
 /// Light that is propagated so, as the one kind of transport that it is.
 pub fn kinds() -> Vec<Kind> {
     vec![Kind {
-        name: "ordinates",
+        name: NAME,
         summary: "light that keeps its direction, on the finest level",
         source: "discrete ordinates, by the donor cell rule or by where a beam leaves a cell",
         flaws: "with few directions light arrives in rays; beams widen as they cross cell borders; nothing is reflected",
