@@ -66,7 +66,8 @@ fn kind(scheme: &Scheme) -> Kind {
         bytes: |problem, sizes, channels, number| {
             // Where light may be, a bit a cell of source and target.
             let marks = sizes.cells() as u64 / 4 * channels as u64;
-            marks + occlusion::bytes(problem, sizes, number)
+            let scheme = schemes::find(&problem.propagation.scheme);
+            marks + scheme.map_or(0, |scheme| occlusion::bytes(problem, &scheme, sizes, number))
         },
         single: Lattice::made,
         double: Some(Lattice::made),
