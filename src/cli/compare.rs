@@ -13,9 +13,8 @@ use crate::report::table::{Table, Value};
 use crate::scene::Problem;
 use crate::study::compare::{self, Finding, PATIENCE};
 use crate::study::expectation::Expectation;
-use crate::transport::known_scheme;
+use crate::transport;
 use crate::transport::lattice::schemes;
-use crate::transport::ordinates;
 
 /// What to compare.
 #[derive(Args, Debug)]
@@ -61,9 +60,7 @@ pub fn run(args: &CompareArgs) -> Result<(), CliError> {
         false => args.schemes.iter().map(String::as_str).collect(),
     };
     for name in &names {
-        if *name != ordinates::NAME {
-            known_scheme(name)?;
-        }
+        transport::known(name)?;
     }
     let expectation = args.reference;
     let folder = args.out.clone().map(Folder::create).transpose()?;
