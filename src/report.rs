@@ -8,7 +8,6 @@ pub mod colour;
 pub mod error_figure;
 pub mod fonts;
 pub mod glyph;
-mod legend;
 pub mod number;
 pub mod pareto_figure;
 pub mod picture;

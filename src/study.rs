@@ -1,8 +1,9 @@
 //! Questions put to simulations.
 
+pub mod artefacts;
 pub mod benchmark;
 pub mod compare;
-pub mod error;
+pub mod difference;
 pub mod expectation;
 pub mod fit;
 pub mod light;
@@ -13,3 +14,5 @@ pub mod random;
 pub mod reference;
 pub mod stability;
 pub mod stress;
+
+pub use expectation::error;
