@@ -4,9 +4,11 @@ mod bench;
 mod cells;
 mod compare;
 mod course;
+mod identify;
 mod load;
 mod output;
 mod pareto;
+mod pattern;
 mod presets;
 mod race;
 mod run;
@@ -64,6 +66,10 @@ pub enum Command {
     Presets(presets::PresetsArgs),
     /// Gains and critical factors of every scheme and size; single precision against double in long runs
     Stability(stability::StabilityArgs),
+    /// Write a test pattern to inject into a port of light propagation volumes
+    Pattern(pattern::PatternArgs),
+    /// Tell from dumps of its grid whether a port of light propagation volumes is right
+    Identify(identify::IdentifyArgs),
     /// Print completions for a shell
     #[command(after_help = "Example:\n  lpv-lab completions bash > ~/.local/share/bash-completion/completions/lpv-lab")]
     Completions {
@@ -134,6 +140,8 @@ pub fn execute(command: Command) -> Result<(), CliError> {
         Command::Schemes(args) => schemes::run(&args),
         Command::Presets(args) => presets::run(&args),
         Command::Stability(args) => team::inside(|| stability::run(&args)),
+        Command::Pattern(args) => pattern::run(&args),
+        Command::Identify(args) => team::inside(|| identify::run(&args)),
         Command::Completions { shell } => {
             clap_complete::generate(shell, &mut Cli::command(), "lpv-lab", &mut std::io::stdout());
             Ok(())

@@ -11,6 +11,7 @@ mod legend;
 pub mod number;
 pub mod picture;
 pub mod plot;
+pub mod port;
 pub mod raster;
 pub mod slice;
 mod svg;

@@ -7,6 +7,7 @@
 
 pub mod builtin;
 pub mod cell_file;
+pub mod dump_file;
 pub mod error;
 pub mod file;
 pub mod injector;

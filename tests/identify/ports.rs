@@ -158,7 +158,8 @@ fn taps(port: &Port, d: usize) -> Vec<Tap> {
         }
         if port.has("face-index-sides") {
             let orientation = [DIRECTIONS[4], DIRECTIONS[0], DIRECTIONS[5], DIRECTIONS[1]][i];
-            read = cross_components(orientation, plus(times(table[i], 1.0 / 5f64.sqrt()), [0.0, 0.0, 2.0 / 5f64.sqrt()]));
+            read =
+                cross_components(orientation, plus(times(table[i], 1.0 / 5f64.sqrt()), [0.0, 0.0, 2.0 / 5f64.sqrt()]));
             back = cross_components(orientation, [table[i][0], table[i][1], 0.0]);
         }
         if port.has("zero-sides") {
@@ -178,12 +179,21 @@ fn taps(port: &Port, d: usize) -> Vec<Tap> {
             back = times(back, -1.0);
         }
         if port.has("axes-exchanged") && d == only {
-            let [u, v] = match axis { 0 => [1, 2], 1 => [0, 2], _ => [0, 1] };
+            let [u, v] = match axis {
+                0 => [1, 2],
+                1 => [0, 2],
+                _ => [0, 1],
+            };
             back.swap(u, v);
         }
         if port.has("side-table-sign") && d == only && i == port.form / 6 % 4 {
             let mut turned = plus(read, times(f, -2.0 * dot(read, f)));
-            if port.form % 5 < 2 { std::mem::swap(&mut turned, &mut read) } else { std::mem::swap(&mut read, &mut turned); back = times(back, -1.0) }
+            if port.form % 5 < 2 {
+                std::mem::swap(&mut turned, &mut read)
+            } else {
+                std::mem::swap(&mut read, &mut turned);
+                back = times(back, -1.0)
+            }
         }
         if port.has("reprojected-along-read") {
             back = unit(read);
@@ -281,7 +291,8 @@ fn step(port: &Port, before: &Grid, n: usize) -> Grid {
     if port.has("in-place") {
         let mut grid = before.clone();
         for cell in cells(n) {
-            let swept: [usize; 3] = std::array::from_fn(|a| if port.form >> a & 1 == 1 { n - 1 - cell[a] } else { cell[a] });
+            let swept: [usize; 3] =
+                std::array::from_fn(|a| if port.form >> a & 1 == 1 { n - 1 - cell[a] } else { cell[a] });
             let light = gather(port, &all, &grid, swept, n);
             grid[index(swept, n)] = keep(light);
         }
@@ -323,7 +334,8 @@ pub fn run(port: &Port, injected: &Grid, n: usize) -> (Vec<Grid>, Vec<Grid>) {
             add(&mut next, &source[k], 1.0);
         }
         if k == 0 && port.has("wrong-cell-copied") {
-            let shifted: Grid = cells(n).map(|[x, y, z]| if y == 0 { [0.0; 4] } else { injected[index([x, y - 1, z], n)] }).collect();
+            let shifted: Grid =
+                cells(n).map(|[x, y, z]| if y == 0 { [0.0; 4] } else { injected[index([x, y - 1, z], n)] }).collect();
             add(&mut next, &shifted, port.factor);
         }
         if k > 0 && port.has("stale-target") {
@@ -402,12 +414,8 @@ pub struct Written {
     pub signs: [f64; 4],
 }
 
-pub const PUBLISHED: Written = Written {
-    order: [2, 1, 0],
-    reversed: [false; 3],
-    coefficients: [0, 2, 3, 1],
-    signs: [1.0, -1.0, 1.0, -1.0],
-};
+pub const PUBLISHED: Written =
+    Written { order: [2, 1, 0], reversed: [false; 3], coefficients: [0, 2, 3, 1], signs: [1.0, -1.0, 1.0, -1.0] };
 
 pub fn dump(grid: &Grid, n: usize, written: &Written, as_half: bool) -> Dump {
     let mut numbers = vec![[0.0; 4]; n * n * n];

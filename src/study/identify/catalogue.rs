@@ -64,6 +64,8 @@ pub struct Edit {
     pub detail: String,
     /// The change.
     pub rule: Rule,
+    /// How many forms of the same mistake are likelier.
+    pub rank: usize,
 }
 
 impl fmt::Debug for Edit {
@@ -87,7 +89,8 @@ pub fn find(id: &str) -> Option<Mistake> {
 pub fn edits() -> Vec<Edit> {
     let forms = all().into_iter().flat_map(|mistake| {
         let forms = (mistake.edits)();
-        forms.into_iter().map(move |(detail, rule)| Edit { mistake, detail, rule })
+        let ranked = forms.into_iter().enumerate();
+        ranked.map(move |(rank, (detail, rule))| Edit { mistake, detail, rule, rank })
     });
     forms.collect()
 }

@@ -168,7 +168,14 @@ impl Sums {
             std::array::from_fn(|i| (0..KINDS).map(|j| covariance[i][j] * self.targets[j]).sum());
         let explained: f64 = (0..KINDS).map(|i| weights[i] * self.targets[i]).sum();
         covariance.iter_mut().flatten().for_each(|c| *c *= deviation * deviation);
-        Fit { weights, known, covariance, left: (self.total - explained).max(0.0), total: self.total, sums: self.clone() }
+        Fit {
+            weights,
+            known,
+            covariance,
+            left: (self.total - explained).max(0.0),
+            total: self.total,
+            sums: self.clone(),
+        }
     }
 }
 
@@ -268,14 +275,8 @@ impl Step {
         receivers: &[Cell],
         tolerances: &[[f64; 4]],
     ) -> Agreement {
-        let mut agreement = Agreement {
-            worst: 0.0,
-            agreeing: 0,
-            cells: 0,
-            first_wrong: None,
-            expected: [0.0; 4],
-            found: [0.0; 4],
-        };
+        let mut agreement =
+            Agreement { worst: 0.0, agreeing: 0, cells: 0, first_wrong: None, expected: [0.0; 4], found: [0.0; 4] };
         for (&cell, tolerance) in receivers.iter().zip(tolerances) {
             let columns = port.columns(&self.before, &self.after, cell).unwrap_or_default();
             let expected = weighted(weights, &columns);

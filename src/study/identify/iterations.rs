@@ -88,11 +88,16 @@ pub struct Stepped<'a> {
     pub hidden: &'a [bool],
 }
 
+/// A mix of new and old light would need a larger factor than this only if it is none.
+const LARGEST_FACTOR: f64 = 6.5;
+
 /// The rules under which the first step looks as it does; those that are right stand first.
 fn rules(stepped: &Stepped, later: &Later) -> Vec<Rule> {
     let own = [Kind::Own0, Kind::Own1, Kind::Copied].map(|kind| stepped.weights[kind as usize]);
     let rule = |name, mistake, first, later, stale| Rule { name, mistake, first, later, stale };
     let none = [0.0; 3];
+    // Six directions, a far face and four sides each: four times the gain of the mean.
+    let gain = 6.0 * (stepped.weights[Kind::Far as usize] + 4.0 * stepped.weights[Kind::Side as usize]);
     let mut rules = Vec::new();
     if own == none {
         rules.push(rule("thesis", None, none, none, 0.0));
@@ -103,7 +108,7 @@ fn rules(stepped: &Stepped, later: &Later) -> Vec<Rule> {
         // The search has named the copy already.
         rules.push(rule("wrong-cell-copied", None, own, none, 0.0));
         rules.push(rule("wrong-cell-copied, always", None, own, own, 0.0));
-    } else if own[0] == own[1] && own[0] >= 0.5 && own[0] < 1.0 {
+    } else if own[0] == own[1] && (0.5..1.0).contains(&own[0]) && gain / (1.0 - own[0]) < LARGEST_FACTOR {
         rules.push(rule("temporal-mix", Some("temporal-mix"), own, own, 0.0));
         rules.push(rule("temporal-mix, first iteration", Some("temporal-mix"), own, none, 0.0));
     } else {
@@ -125,7 +130,9 @@ fn rules(stepped: &Stepped, later: &Later) -> Vec<Rule> {
 
 /// How much of S0 is left in S2, by least squares, where S1 and S2 are there.
 fn stale_share(stepped: &Stepped, later: &Later) -> Option<f64> {
-    let [(zero, _), (one, _), (two, _)] = [0, 1, 2].map(|k| later.source.get(&k)).into_iter().collect::<Option<Vec<_>>>()?[..] else {
+    let [(zero, _), (one, _), (two, _)] =
+        [0, 1, 2].map(|k| later.source.get(&k)).into_iter().collect::<Option<Vec<_>>>()?[..]
+    else {
         return None;
     };
     let mut weights = stepped.weights;
@@ -238,8 +245,8 @@ impl Sum {
 pub fn read(stepped: &Stepped, later: &Later) -> Iterations {
     let last = later.source.keys().chain(later.accumulated.keys()).copied().max().unwrap_or(1);
     let half_light = later.source.values().all(|(_, storage)| *storage == Storage::Half);
-    let half_sums = !later.accumulated.is_empty()
-        && later.accumulated.values().all(|(_, storage)| *storage == Storage::Half);
+    let half_sums =
+        !later.accumulated.is_empty() && later.accumulated.values().all(|(_, storage)| *storage == Storage::Half);
     let rounds = half_sums || half_light;
     let mut fitting: Vec<(Rule, Option<Sum>)> = Vec::new();
     let mut best: Option<(Rule, Option<usize>)> = None;
@@ -255,9 +262,10 @@ pub fn read(stepped: &Stepped, later: &Later) -> Iterations {
             fitting.push((rule, None));
         }
         for sum in SUMS {
-            let fits = later.accumulated.iter().all(|(k, (dump, storage))| {
-                agree(&sum.of(&grids, *k, rounds), dump, *storage, stepped.hidden)
-            });
+            let fits = later
+                .accumulated
+                .iter()
+                .all(|(k, (dump, storage))| agree(&sum.of(&grids, *k, rounds), dump, *storage, stepped.hidden));
             if fits && !later.accumulated.is_empty() {
                 // With the source kept in S1, S0 + S1 counts it twice.
                 let twice = rule.name == "copy-first" && sum.name == "S0..Sk";
@@ -277,7 +285,8 @@ pub fn read(stepped: &Stepped, later: &Later) -> Iterations {
     };
     let mut or: Vec<_> = fitting.iter().map(|(rule, _)| rule.name).filter(|name| *name != rule.name).collect();
     or.dedup();
-    let mut or_sum: Vec<_> = fitting.iter().filter(|(r, _)| *r == rule).filter_map(|(_, s)| s.map(|s| s.name)).collect();
+    let mut or_sum: Vec<_> =
+        fitting.iter().filter(|(r, _)| *r == rule).filter_map(|(_, s)| s.map(|s| s.name)).collect();
     or_sum.retain(|name| sum.is_none_or(|sum| sum.name != *name));
     Iterations { rule, sum, half, agrees: true, or, or_sum, differs_at: None }
 }

@@ -7,7 +7,7 @@ use super::fit::{Rounding, Step, Sums};
 use super::injection::Injection;
 use super::iterations::{self, Iterations, Later, Stepped};
 use super::layout::{Coefficients, Dump, Layout};
-use super::light::{Light, Storage};
+use super::light::{Light, Storage, is_lit};
 use super::port::{Border, Kind, Order, Port};
 use super::search::{self, Candidate, Found};
 use super::verdict::{Judgement, Law, Named, Verdict, Wrong};
@@ -23,13 +23,15 @@ struct Account {
     iterations: Iterations,
     /// Ids of all mistakes of propagation, with what they are here.
     mistakes: Vec<(&'static str, String)>,
+    /// How many forms of its mistakes are likelier.
+    rank: usize,
 }
 
 impl Account {
-    /// How well it explains the dumps: lower is better.
-    fn cost(&self) -> (bool, bool, usize, usize) {
-        let usual = self.candidate.base;
-        (!self.iterations.agrees, !self.reading.known, self.mistakes.len(), usual)
+    /// How well it explains the dumps: lower is better. Of accounts with as many mistakes the likelier one.
+    fn cost(&self) -> (bool, bool, usize, usize, usize, usize) {
+        let axes = self.mistakes.iter().filter(|m| m.0 == "injection-axes").count();
+        (!self.iterations.agrees, !self.reading.known, self.mistakes.len(), self.candidate.base, axes, self.rank)
     }
 }
 
@@ -69,6 +71,12 @@ fn turned(port: &Port, convention: &[(usize, f64); 3]) -> Port {
     port
 }
 
+/// Whether no cell has light after the first iteration that had none before.
+fn light_stays(step: &Step) -> bool {
+    step.after.lit().iter().all(|i| is_lit(&step.before.cells()[*i]))
+        && step.before.lit().len() * 8 < step.before.cells().len()
+}
+
 /// All readings of the dumps.
 pub(super) fn judge(dumps: &Dumps, layout: Layout, injection: Option<Injection>, hidden: Vec<bool>) -> Verdict {
     let lights = |dumps: &BTreeMap<usize, Dump>| -> BTreeMap<usize, (Light, Storage)> {
@@ -86,20 +94,27 @@ pub(super) fn judge(dumps: &Dumps, layout: Layout, injection: Option<Injection>,
     let pattern_known = injection.is_some();
     let conventions = conventions(pattern_known);
     let bases = weights::bases(&schemes::all());
-    let starts: Vec<(Port, usize)> =
-        conventions.iter().flat_map(|c| bases.iter().map(|base| (turned(&base.port, c), 0))).collect();
+    let first = step(0);
+    let stays = first.as_ref().is_some_and(light_stays);
+    let start = |base: &Base, convention: &[(usize, f64); 3]| {
+        (Port { reads_itself: stays, ..turned(&base.port, convention) }, 0)
+    };
+    let starts: Vec<(Port, usize)> = conventions.iter().flat_map(|c| bases.iter().map(|base| start(base, c))).collect();
     let mut edits = catalogue::edits();
     edits.retain(|edit| pattern_known || edit.mistake.group != Group::Injection);
     let most = if pattern_known { search::MOST_MISTAKES } else { 2 };
-    let first = step(0);
     let found = first.as_ref().and_then(|step| search::search(step, &starts, &edits, most));
     let base_of = |candidate: &Candidate| &bases[candidate.base % bases.len()];
     let account = |candidate: &Candidate| -> Account {
         let base = base_of(candidate);
         let others: Vec<Nominal> = same_faces(&bases, base);
-        let read = |candidate: Candidate, mixed: f64| account_of(candidate, base, &others, &edits, &later, &hidden, mixed);
+        let read =
+            |candidate: Candidate, mixed: f64| account_of(candidate, base, &others, &edits, &later, &hidden, mixed);
         let mut account = read(candidate.clone(), 1.0);
-        if account.iterations.agrees && account.iterations.rule.later == [0.0; 3] && account.iterations.rule.stale == 0.0 {
+        if account.iterations.agrees
+            && account.iterations.rule.later == [0.0; 3]
+            && account.iterations.rule.stale == 0.0
+        {
             let mut refined = candidate.clone();
             refine(&mut refined, &account, (1..8).filter_map(step));
             account = read(refined, 1.0);
@@ -198,8 +213,10 @@ pub(super) fn judge(dumps: &Dumps, layout: Layout, injection: Option<Injection>,
         if verdict.judgement == Judgement::Correct && !verdict.mistakes.is_empty() {
             verdict.judgement = Judgement::Mistakes;
         }
-        let seen_in_injection = verdict.mistakes.iter().any(|m| m.id.starts_with("injection") || m.id == "four-digit-constants");
-        if let Some((cell, expected, found)) = injection.first_wrong.filter(|_| seen_in_injection || !injection.agrees) {
+        let seen_in_injection =
+            verdict.mistakes.iter().any(|m| m.id.starts_with("injection") || m.id == "four-digit-constants");
+        if let Some((cell, expected, found)) = injection.first_wrong.filter(|_| seen_in_injection || !injection.agrees)
+        {
             verdict.wrong = Some(Wrong { iteration: 0, cell, expected, found });
         }
     }
@@ -275,16 +292,25 @@ fn account_of(
     for edit in candidate.edits.iter().map(|e| &edits[*e]) {
         mistakes.push((edit.mistake.id, edit.detail.clone()));
     }
+    if candidate.port.reads_itself && !mistakes.iter().any(|m| m.0 == "own-cell") {
+        mistakes.push(("own-cell", "light never leaves".to_owned()));
+    }
     mistakes.extend(reading.mistakes.iter().cloned());
     // The scheme's own clamps: blog clamps the far face alone, the others clamp every face.
-    let blog_like = base.port.taps[0].iter().any(|tap| !tap.clamp) && !base.schemes.iter().any(|n| n.scheme == reading.scheme);
+    let blog_like =
+        base.port.taps[0].iter().any(|tap| !tap.clamp) && !base.schemes.iter().any(|n| n.scheme == reading.scheme);
     if blog_like && !mistakes.iter().any(|m| m.0.starts_with("clamp")) {
         mistakes.push(("clamp-partial", "sides are not clamped".to_owned()));
     }
     if let Some(id) = iterations.rule.mistake {
         let detail = match id {
-            "temporal-mix" => format!("{:.4} of the old light stays", iterations.rule.later[0].max(iterations.rule.stale)),
-            "own-cell" => format!("{:.5} of its mean, {:.5} of its direction stay", iterations.rule.first[0], iterations.rule.first[1]),
+            "temporal-mix" => {
+                format!("{:.4} of the old light stays", iterations.rule.later[0].max(iterations.rule.stale))
+            }
+            "own-cell" => format!(
+                "{:.5} of its mean, {:.5} of its direction stay",
+                iterations.rule.first[0], iterations.rule.first[1]
+            ),
             _ => String::new(),
         };
         mistakes.push((id, detail));
@@ -295,7 +321,8 @@ fn account_of(
     if iterations.half {
         mistakes.push(("half-sums", String::new()));
     }
-    Account { candidate, reading, iterations, mistakes }
+    let rank = candidate.edits.iter().map(|e| edits[*e].rank).sum();
+    Account { candidate, reading, iterations, mistakes, rank }
 }
 
 /// Lets later steps, which the same weights make, narrow the weights down.
@@ -355,7 +382,10 @@ fn tell(verdict: &mut Verdict, account: &Account, step: &Step) {
     let beyond = |border: Border| fits(&Port { border, ..port.clone() });
     verdict.border = match port.border {
         _ if beyond(Border::Dark) && beyond(Border::Edge) && beyond(Border::Wrap) => {
-            verdict.notes.push("No cell at the border is lit, so the border does not show; the pattern's cells at borders show it.".to_owned());
+            verdict.notes.push(
+                "No cell at the border is lit, so the border does not show; the pattern's cells at borders show it."
+                    .to_owned(),
+            );
             "not shown"
         }
         Border::Dark => "dark",
@@ -367,12 +397,18 @@ fn tell(verdict: &mut Verdict, account: &Account, step: &Step) {
     let iterations = &account.iterations;
     verdict.snapshots = iterations.rule.name.to_owned();
     if !iterations.or.is_empty() {
-        verdict.notes.push(format!("The dumps fit {} as well; the source after iteration 2 would tell.", iterations.or.join(", ")));
+        verdict.notes.push(format!(
+            "The dumps fit {} as well; the source after iteration 2 would tell.",
+            iterations.or.join(", ")
+        ));
     }
     if let Some(sum) = iterations.sum {
         verdict.sum = sum.name.to_owned();
         if !iterations.or_sum.is_empty() {
-            verdict.notes.push(format!("The accumulated grid fits {} as well; one of a later iteration would tell.", iterations.or_sum.join(", ")));
+            verdict.notes.push(format!(
+                "The accumulated grid fits {} as well; one of a later iteration would tell.",
+                iterations.or_sum.join(", ")
+            ));
         }
     }
 }

@@ -85,7 +85,9 @@ fn symmetry(step: &Step, port: &Port) -> Option<Law> {
         .collect();
     let names = ["+x", "-x", "+y", "-y", "+z", "-z"];
     let differ = |a: usize, b: usize| {
-        (0..2).map(|k| (fits[a].0[k] - fits[b].0[k]).abs() / (5.0 * (fits[a].1[k] + fits[b].1[k]) + 1e-6)).fold(0.0, f64::max)
+        (0..2)
+            .map(|k| (fits[a].0[k] - fits[b].0[k]).abs() / (5.0 * (fits[a].1[k] + fits[b].1[k]) + 1e-6))
+            .fold(0.0, f64::max)
     };
     let pairs = (0..6).flat_map(|a| (a + 1..6).map(move |b| (a, b)));
     let (a, b) = pairs.max_by(|p, q| differ(p.0, p.1).total_cmp(&differ(q.0, q.1)))?;
@@ -157,7 +159,10 @@ fn by_sender(step: &Step, port: &Port) -> Option<Law> {
         for sign in [1.0, -0.2] {
             let left = face_bent(step, port, &|f: f64| f / (1.0 + sign * c * f));
             if left < best.0 {
-                best = (left, format!("as if flux f became f/(1 {} {:.2}·f)", if sign > 0.0 { "+" } else { "-" }, sign.abs() * c));
+                best = (
+                    left,
+                    format!("as if flux f became f/(1 {} {:.2}·f)", if sign > 0.0 { "+" } else { "-" }, sign.abs() * c),
+                );
             }
         }
     }
@@ -175,11 +180,17 @@ fn by_sender(step: &Step, port: &Port) -> Option<Law> {
     let explained = factors.iter().filter(|f| f.4).count();
     let total = |w: [f64; 2]| 6.0 * (w[0] + 4.0 * w[1]);
     if best.0 < 0.05 * straight && explained * 2 < factors.len() {
-        return Some(Law { name: "homogeneity", how: format!("twice the light gives not twice the result, {}", best.1) });
+        return Some(Law {
+            name: "homogeneity",
+            how: format!("twice the light gives not twice the result, {}", best.1),
+        });
     }
     if explained * 2 < factors.len() || factors.len() < 2 {
         if best.0 < 0.3 * straight {
-            return Some(Law { name: "homogeneity", how: format!("twice the light gives not twice the result, {}", best.1) });
+            return Some(Law {
+                name: "homogeneity",
+                how: format!("twice the light gives not twice the result, {}", best.1),
+            });
         }
         return None;
     }

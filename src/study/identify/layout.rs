@@ -129,8 +129,7 @@ pub fn align(dump: &Dump, expected: &Light) -> (Axes, Shift, f64) {
     let norm = |lengths: &mut dyn Iterator<Item = f64>| lengths.map(|l| l * l).sum::<f64>().sqrt();
     let scale = norm(&mut found.iter().copied()) * norm(&mut wanted.iter().map(|w| w.1));
     let mut best = (Axes::LAB, [0; 3], -1.0);
-    let mut shifts: Vec<Shift> =
-        (0..27).map(|i: isize| [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1]).collect();
+    let mut shifts: Vec<Shift> = (0..27).map(|i: isize| [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1]).collect();
     shifts.sort_by_key(|s| s.iter().map(|c| c.abs()).sum::<isize>());
     for shift in shifts {
         for axes in Axes::all() {
@@ -161,8 +160,7 @@ pub fn coefficients(dump: &Dump, axes: Axes, expected: &Light) -> Option<Coeffic
         }
     }
     let matrix = solved(normal, targets)?;
-    let mut entries: Vec<(usize, usize, f64)> =
-        (0..16).map(|i| (i / 4, i % 4, matrix[i / 4][i % 4])).collect();
+    let mut entries: Vec<(usize, usize, f64)> = (0..16).map(|i| (i / 4, i % 4, matrix[i / 4][i % 4])).collect();
     entries.sort_by(|a, b| b.2.abs().total_cmp(&a.2.abs()));
     let (mut order, mut signs) = ([usize::MAX; 4], [0.0; 4]);
     for (component, number, entry) in entries {
@@ -208,7 +206,8 @@ mod tests {
         let pattern = Pattern::find("spaced", 8).unwrap();
         let mut expected = Light::dark(8);
         pattern.lobes().iter().for_each(|lobe| expected.add(lobe.cell, lobe.light()));
-        for (axes, order) in Axes::all().into_iter().zip([[0, 1, 2, 3], [3, 2, 1, 0], [1, 0, 3, 2]].into_iter().cycle()) {
+        for (axes, order) in Axes::all().into_iter().zip([[0, 1, 2, 3], [3, 2, 1, 0], [1, 0, 3, 2]].into_iter().cycle())
+        {
             let coefficients_there = Coefficients { order, signs: [1.0, -1.0, 1.0, -1.0] };
             let mut numbers = vec![[0.0; 4]; 512];
             for i in expected.lit() {

@@ -4,24 +4,27 @@
 //! Few mistakes before many, and among the same number those that leave less: a beam search. What is left over is
 //! the sum of squares after least squares, so every mistake that is really there lowers it.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use super::catalogue::{Edit, Group};
 use super::fit::{Agreement, Fit, Rounding, Step};
-use super::port::Port;
+use super::port::{Kind, Port};
 use crate::field::Cell;
 
 /// The most mistakes of a step that are looked for at once.
 pub const MOST_MISTAKES: usize = 4;
 
 /// Ports that are kept from one number of mistakes to the next.
-const BEAM: usize = 10;
+const BEAM: usize = 20;
+
+/// Of those, ports with the same mistakes in different forms.
+const FORMS: usize = 3;
 
 /// Cells by which ports are ranked; all cells decide whether one is right.
 const RANKED_BY: usize = 150;
 
 /// Ports of the same number of mistakes whose agreement is looked at closely.
-const LOOKED_AT: usize = 24;
+const LOOKED_AT: usize = 30;
 
 /// A port that was tried.
 #[derive(Clone, Debug)]
@@ -76,7 +79,7 @@ pub fn search(step: &Step, bases: &[(Port, usize)], edits: &[Edit], most: usize)
         for rounding in [Rounding::Stored, Rounding::Dumped] {
             for node in nodes.iter().take(LOOKED_AT) {
                 let candidate = looked_at(step, node, rounding, &receivers);
-                if candidate.agreement.is_full() {
+                if candidate.agreement.is_full() && is_sensible(&candidate.port, &candidate.fit) {
                     full.push(candidate);
                 } else if nearest.as_ref().is_none_or(|n| candidate.agreement.agreeing > n.agreement.agreeing) {
                     nearest = Some(candidate);
@@ -93,7 +96,7 @@ pub fn search(step: &Step, bases: &[(Port, usize)], edits: &[Edit], most: usize)
             return Some(Found { full, nearest });
         }
         // All schemes, and where the coefficients are not known all conventions, are worth a first mistake.
-        beam = kept(nodes, if mistakes == 0 { bases.len() } else { BEAM });
+        beam = kept(nodes, edits, if mistakes == 0 { bases.len() } else { BEAM });
     }
     nearest.map(|nearest| Found { full: Vec::new(), nearest })
 }
@@ -141,18 +144,32 @@ fn looked_at(step: &Step, node: &Node, rounding: Rounding, receivers: &[Cell]) -
     Candidate { base: node.base, edits: node.edits.clone(), port: node.port.clone(), fit, agreement, rounding }
 }
 
-/// The best ports, no two that are alike.
-fn kept(nodes: Vec<Node>, most: usize) -> Vec<Node> {
+/// The best ports, no two that are alike, and few with the same mistakes.
+fn kept(nodes: Vec<Node>, edits: &[Edit], most: usize) -> Vec<Node> {
     let mut kept: Vec<Node> = Vec::new();
+    let mut forms: HashMap<Vec<&str>, usize> = HashMap::new();
     for node in nodes {
         if kept.len() == most {
             break;
         }
-        if !kept.iter().any(|k| k.port == node.port) {
+        let ids: Vec<&str> = node.edits.iter().map(|e| edits[*e].mistake.id).collect();
+        let alike = forms.entry(ids).or_default();
+        if (*alike < FORMS || node.edits.is_empty()) && !kept.iter().any(|k| k.port == node.port) {
+            *alike += 1;
             kept.push(node);
         }
     }
     kept
+}
+
+/// Whether weights are some that an author could have typed: none is negative, and light that goes back through the
+/// shared face goes on through the far one too.
+fn is_sensible(port: &Port, fit: &Fit) -> bool {
+    let positive = |kind: Kind| fit.weight(kind) >= -5.0 * fit.deviation(kind) - 1e-6;
+    let is_there = |kind: Kind| fit.weight(kind) > 5.0 * fit.deviation(kind) + 1e-5;
+    let has_near = port.taps.iter().flatten().any(|tap| tap.kind == Kind::Near);
+    [Kind::Far, Kind::Side, Kind::Near].into_iter().all(positive)
+        && (!has_near || (is_there(Kind::Far) && is_there(Kind::Near)))
 }
 
 /// Some of the cells, evenly.

@@ -113,10 +113,10 @@ pub fn read(fit: &Fit, base: &Base, others: &[Nominal], mixed: f64) -> Reading {
             (ratio - right).abs() <= (slack * error).max(RATIO_ERROR * right)
         }
     };
-    let candidates = || base.schemes.iter().chain(others);
-    let found = candidates().find(|nominal| is(nominal, 5.0)).copied();
     let first = base.schemes[0];
-    let no_far = far.abs() <= 5.0 * far_error + 2e-6 * side.abs() && side != 0.0;
+    let no_far = far.abs() <= 5.0 * far_error + 2e-6 * side.abs() && side.abs() > 5.0 * side_error;
+    let mut candidates = base.schemes.iter().chain(others).filter(|_| !no_far);
+    let found = candidates.find(|nominal| is(nominal, 5.0)).copied();
     let mut known = true;
     let nominal = if let Some(nominal) = found {
         if let Some((ratio, error)) = ratio.filter(|_| nominal.side > 0.0) {
@@ -192,9 +192,14 @@ fn scaled(
     if p >= 0.75 * 4.0 * PI && !ones {
         mistakes.push(("not-over-4pi", format!("the factor is {:.4} times 4π", p / (4.0 * PI))));
     }
-    let usual = |p: f64| USUAL.iter().any(|u| (p - u).abs() <= factor.uncertainty.max(2e-6 * p) * u.max(1.0));
+    // Wrong weights do not add up to the face's: the author's factor is that of the far face, or of the side's.
+    let slack = if mistakes.is_empty() { 2e-6 } else { 3e-5 };
+    let usual = |p: f64| USUAL.iter().any(|u| (p - u).abs() <= (factor.uncertainty * PI).max(slack * u));
+    let sum = nominal.far + 4.0 * nominal.side;
+    let swapped = (side_solid_angle() + 4.0 * far_solid_angle()) / (4.0 * PI);
+    let meant = [1.0, sum / swapped];
     let round = ((p * 100.0).round() / 100.0 - p).abs() <= factor.uncertainty;
-    if p < 1.3 && usual(p * PI) && !round {
+    if p < 1.3 && !round && meant.iter().any(|m| usual(p * PI * m)) {
         mistakes.push(("twice-over-pi", format!("the factor is {:.4} over π", p * PI)));
     }
     if nominal.scheme == "cascaded" && factor.holds(4.0) {

@@ -95,7 +95,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
 fn unclamped(scope: [bool; 6], far: bool, sides: bool) -> impl Fn(&mut Port) + Send + Sync {
     move |port: &mut Port| {
         each_tap(port, scope, |_, tap| {
-            let chosen = if tap.kind == Kind::Side { sides } else { far };
+            let chosen = if tap.kind == Kind::Far { far } else { sides };
             tap.clamp &= !chosen;
         });
     }
@@ -103,7 +103,11 @@ fn unclamped(scope: [bool; 6], far: bool, sides: bool) -> impl Fn(&mut Port) + S
 
 fn partial() -> Vec<Form> {
     let mut forms = Vec::new();
-    for (name, far, sides) in [("sides are not clamped", false, true), ("the far face is not clamped", true, false), ("not clamped", true, true)] {
+    for (name, far, sides) in [
+        ("sides are not clamped", false, true),
+        ("the far face is not clamped", true, false),
+        ("not clamped", true, true),
+    ] {
         for (scope_name, scope) in scopes() {
             if scope == [true; 6] && far && sides {
                 continue;
@@ -118,9 +122,13 @@ fn partial() -> Vec<Form> {
 fn flat() -> Vec<Form> {
     let pairs = [(0, 2), (1, 2), (0, 1), (2, 1), (1, 0), (2, 0)];
     let names = ["x", "y", "z"];
-    pairs.map(|(row, slice)| {
-        form(format!("{} runs over into {}", names[row], names[slice]), move |port: &mut Port| port.border = Border::Flat(row, slice))
-    }).to_vec()
+    pairs
+        .map(|(row, slice)| {
+            form(format!("{} runs over into {}", names[row], names[slice]), move |port: &mut Port| {
+                port.border = Border::Flat(row, slice)
+            })
+        })
+        .to_vec()
 }
 
 fn sweeps() -> Vec<Form> {
@@ -128,7 +136,9 @@ fn sweeps() -> Vec<Form> {
         .map(|bits| {
             let up: [bool; 3] = std::array::from_fn(|a| bits >> a & 1 == 0);
             let name = |a: usize| format!("{}{}", if up[a] { "+" } else { "-" }, ["x", "y", "z"][a]);
-            form(format!("swept towards {} {} {}", name(0), name(1), name(2)), move |port: &mut Port| port.order = Order::Sweep(up))
+            form(format!("swept towards {} {} {}", name(0), name(1), name(2)), move |port: &mut Port| {
+                port.order = Order::Sweep(up)
+            })
         })
         .collect()
 }

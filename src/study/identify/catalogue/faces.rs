@@ -218,7 +218,8 @@ fn reads_minus_d() -> Vec<Form> {
     let opposite = |scope| move |port: &mut Port| each_tap(port, scope, |_, tap| tap.read = tap.read.reversed());
     let mut forms: Vec<Form> = scopes().into_iter().map(|(name, scope)| form(name, back(scope))).collect();
     forms.extend(scopes().into_iter().map(|(name, scope)| {
-        let name = if name.is_empty() { "all of it reversed".to_owned() } else { format!("{name}, all of it reversed") };
+        let name =
+            if name.is_empty() { "all of it reversed".to_owned() } else { format!("{name}, all of it reversed") };
         form(name, opposite(scope))
     }));
     forms

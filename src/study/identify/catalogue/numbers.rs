@@ -38,11 +38,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
         "The sum counts the first grid twice.",
         "A = S0 + S1 + … + Sk (thesis) or S1 + … + Sk (NVIDIA's, whose S1 holds S0 already).",
     ),
-    number(
-        "no-sum",
-        "The accumulated grid is the last iteration alone.",
-        "Add every iteration: A += S(k).",
-    ),
+    number("no-sum", "The accumulated grid is the last iteration alone.", "Add every iteration: A += S(k)."),
     number(
         "half-sums",
         "The sum is kept in half precision while the light is not.",

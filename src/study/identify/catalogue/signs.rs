@@ -154,7 +154,10 @@ fn exchanged() -> Vec<Form> {
                     }
                 });
             };
-            forms.push(form(both(&name, ["the first axis goes to the second", "the second axis goes to the first"][first]), rule));
+            forms.push(form(
+                both(&name, ["the first axis goes to the second", "the second axis goes to the first"][first]),
+                rule,
+            ));
         }
     }
     for pair in [[0, 1], [1, 2], [0, 2]] {
@@ -167,33 +170,47 @@ fn exchanged() -> Vec<Form> {
     forms
 }
 
-/// For each direction of travel the two axes in which the usual table of sides counts, as signed directions: first
-/// axis, second axis. `of_matrices` takes the orientation matrices that most ports share.
-fn table_axes(d: Direction, of_matrices: bool) -> [DVec3; 2] {
+/// How a table of sides is laid over the axes across a direction of travel.
+#[derive(Clone, Copy)]
+enum Table {
+    /// By the orientation matrices that most ports share.
+    Matrices,
+    /// The lower axis first.
+    Rising,
+    /// The axis that follows in the cycle x, y, z first.
+    Cyclic,
+}
+
+/// The two axes in which a table of sides counts for a direction of travel.
+fn table_axes(d: Direction, table: Table) -> [DVec3; 2] {
     let [u, v] = others(d.axis()).map(|a| Direction::ALL[2 * a].vector());
-    if !of_matrices {
-        return [u, v];
-    }
-    match (d.axis(), d.is_positive()) {
-        (0, true) => [-v, u],
-        (0, false) => [v, u],
-        (1, true) => [u, -v],
-        (1, false) => [u, v],
-        (_, true) => [u, v],
-        (_, false) => [-u, v],
+    match (table, d.axis(), d.is_positive()) {
+        (Table::Rising, ..) => [u, v],
+        (Table::Cyclic, 1, _) => [v, u],
+        (Table::Cyclic, ..) => [u, v],
+        (Table::Matrices, 0, true) => [-v, u],
+        (Table::Matrices, 0, false) => [v, u],
+        (Table::Matrices, 1, true) => [u, -v],
+        (Table::Matrices, 1, false) => [u, v],
+        (Table::Matrices, _, true) => [u, v],
+        (Table::Matrices, _, false) => [-u, v],
     }
 }
 
 fn table_sign() -> Vec<Form> {
     let mut forms = Vec::new();
-    let single = (0..6).map(|i| (format!("light towards {}", ["+x", "-x", "+y", "-y", "+z", "-z"][i]), std::array::from_fn(|d| d == i), false));
-    let everywhere = [(String::new(), [true; 6], true), ("in the grid's axes".to_owned(), [true; 6], false)];
-    for (name, scope, of_matrices) in everywhere.into_iter().chain(single) {
+    let single = scopes().into_iter().filter(|(_, scope)| scope.iter().filter(|s| **s).count() == 1);
+    let everywhere = [("", Table::Matrices), ("in the grid's axes", Table::Rising), ("in cyclic axes", Table::Cyclic)];
+    let everywhere = everywhere.map(|(name, table)| (name.to_owned(), [true; 6], table));
+    let single = single.map(|(name, scope)| (name, scope, Table::Rising));
+    for (name, scope, table) in everywhere.into_iter().chain(single) {
         for entry in 0..4 {
-            for (what, reads, lobes) in [("", true, true), ("where light is read", true, false), ("where light is put back", false, true)] {
+            for (what, reads, lobes) in
+                [("", true, true), ("where light is read", true, false), ("where light is put back", false, true)]
+            {
                 let rule = move |port: &mut Port| {
                     each_side(port, scope, |d, tap| {
-                        let axis = table_axes(d, of_matrices)[entry % 2] * if entry < 2 { 1.0 } else { -1.0 };
+                        let axis = table_axes(d, table)[entry % 2] * if entry < 2 { 1.0 } else { -1.0 };
                         let f = Direction::ALL[tap.face];
                         if f.vector() != axis {
                             return;
@@ -293,15 +310,19 @@ fn minus_n() -> Vec<Form> {
 }
 
 fn axes() -> Vec<Form> {
-    let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+    let orders = [[0, 2, 1], [1, 0, 2], [2, 1, 0], [1, 2, 0], [2, 0, 1], [0, 1, 2]];
     let mut forms = Vec::new();
-    for (order, bits) in orders.into_iter().flat_map(|order| (0..8).map(move |bits| (order, bits))) {
+    // Exchanged axes before wrong signs, few signs before many.
+    for (bits, order) in [0, 1, 2, 4, 3, 5, 6, 7].into_iter().flat_map(|bits| orders.map(|order| (bits, order))) {
         let signs: [f64; 3] = std::array::from_fn(|a| if bits >> a & 1 == 1 { -1.0 } else { 1.0 });
         if order == [0, 1, 2] && (bits == 0 || bits == 7) {
             continue;
         }
         let name = |a: usize| format!("{}{}", if signs[a] < 0.0 { "-" } else { "" }, axis_name(order[a]));
-        forms.push(form(format!("(x, y, z) is injected as ({}, {}, {})", name(0), name(1), name(2)), turned(order, signs)));
+        forms.push(form(
+            format!("(x, y, z) is injected as ({}, {}, {})", name(0), name(1), name(2)),
+            turned(order, signs),
+        ));
     }
     forms
 }

@@ -1,0 +1,189 @@
+//! `identify`: is a port right? From dumps of its grid.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::output::Folder;
+use super::{CliError, pattern};
+use crate::field::Cell;
+use crate::report::port;
+use crate::scene::Problem;
+use crate::scene::cell_file::Column;
+use crate::scene::dump_file::{self, Numbers};
+use crate::study::identify::layout::Dump;
+use crate::study::identify::light::Storage;
+use crate::study::identify::verdict::{Judgement, Verdict};
+use crate::study::identify::{Dumps, identify};
+
+/// The dumps, and what they are of.
+#[derive(Args, Debug)]
+#[command(after_help = "Example:\n  lpv-lab pattern spaced --size 8 --out pattern.h\n  \
+                        (inject it into your port, dump the grid after injection and after iterations 1, 2 and 4)\n  \
+                        lpv-lab identify --pattern spaced --injected s0.npy --source 1=s1.npy,2=s2.npy,4=s4.npy --accumulated 4=a4.npy --out verdict\n\n\
+                        Dumps are .npy arrays of shape (n, n, n, 4), float16, float32 or float64, in any order of axes and coefficients, or CSV files of cells.\n\
+                        The injected grid and the source grid after iteration 1 are needed, others tell more.\n\
+                        DIR gets verdict.txt, identify.csv (item,value,uncertainty) and, where a cell is wrong, first-wrong-cell.svg and .png.\n\
+                        Exit codes: 0 looked at, 1 --expect is not met, 2 a dump cannot be read.")]
+pub struct IdentifyArgs {
+    /// What was injected: `spaced`, `dense`, or `none` for a scene of your own
+    #[arg(long, default_value = "spaced")]
+    pattern: String,
+    /// The grid after injection, before the first iteration
+    #[arg(long, value_name = "FILE")]
+    injected: PathBuf,
+    /// Grids that the next iteration propagates, by iteration
+    #[arg(long, value_name = "K=FILE", value_delimiter = ',', required = true)]
+    source: Vec<Numbered>,
+    /// Accumulated grids, by iteration
+    #[arg(long, value_name = "K=FILE", value_delimiter = ',')]
+    accumulated: Vec<Numbered>,
+    /// What fixed-point numbers were multiplied by
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
+    scale: f64,
+    /// Cells along a side, where all dumps are CSV files of few cells
+    #[arg(long, value_name = "N")]
+    size: Option<usize>,
+    /// A preset whose occluders stand in the port's scene: cells that they reach are left out
+    #[arg(long, value_name = "PRESET")]
+    occluders: Option<PathBuf>,
+    /// The scheme that the port must be, without a mistake: exit code 1 otherwise
+    #[arg(long, value_name = "SCHEME")]
+    expect: Option<String>,
+    /// The folder for the results
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// A dump of an iteration.
+#[derive(Clone, Debug)]
+struct Numbered {
+    iteration: usize,
+    path: PathBuf,
+}
+
+/// The latest iteration that is looked at.
+const LATEST: usize = 64;
+
+impl std::str::FromStr for Numbered {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || format!("`{text}` names no dump; write the iteration and the file, such as 1=s1.npy");
+        let (iteration, path) = text.split_once('=').ok_or_else(wrong)?;
+        let iteration = iteration.trim().parse().ok().filter(|k| (1..=LATEST).contains(k)).ok_or_else(wrong)?;
+        if path.is_empty() { Err(wrong()) } else { Ok(Numbered { iteration, path: path.into() }) }
+    }
+}
+
+/// Does the command.
+pub fn run(args: &IdentifyArgs) -> Result<(), CliError> {
+    if let Some(scheme) = &args.expect
+        && crate::transport::lattice::schemes::find(scheme).is_none()
+    {
+        let known = crate::transport::lattice::schemes::names().join(", ");
+        return Err(CliError::Input(format!("--expect {scheme}: there is no such scheme; there are {known}")));
+    }
+    if !(args.scale.is_finite() && args.scale > 0.0) {
+        return Err(CliError::Input("--scale: the factor must be a number above 0".to_owned()));
+    }
+    let dumps = read(args)?;
+    let side = dumps.injected.side;
+    let pattern = match args.pattern.as_str() {
+        "none" => None,
+        name => Some(pattern::find(name, side)?),
+    };
+    let hidden = args.occluders.as_ref().map_or(Ok(Vec::new()), |preset| hidden(preset, side))?;
+    let verdict = identify(&dumps, pattern.as_ref(), &hidden).map_err(|e| CliError::Input(e.to_string()))?;
+    let lines = port::lines(&verdict);
+    lines.iter().for_each(|line| println!("{line}"));
+    if let Some(out) = &args.out {
+        write(&Folder::create(out.clone())?, &lines, &verdict)?;
+    }
+    match &args.expect {
+        Some(scheme) if verdict.judgement != Judgement::Correct || verdict.scheme != Some(scheme.as_str()) => {
+            Err(CliError::Failed(format!("--expect {scheme} is not met: {}", lines[0])))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn write(folder: &Folder, lines: &[String], verdict: &Verdict) -> Result<(), CliError> {
+    folder.write("verdict.txt", lines.join("\n") + "\n")?;
+    let csv = port::csv(verdict).map_err(|e| CliError::Failed(format!("identify.csv: {e}")))?;
+    folder.write("identify.csv", csv)?;
+    match port::picture(verdict) {
+        Some(svg) => folder.write_svg_and_png("first-wrong-cell", &svg),
+        None => Ok(()),
+    }
+}
+
+/// Reads all dumps.
+fn read(args: &IdentifyArgs) -> Result<Dumps, CliError> {
+    let injected = dump_file::read(&args.injected, Column::Source)?;
+    let mut all = vec![(&args.injected, injected)];
+    for dump in &args.source {
+        all.push((&dump.path, dump_file::read(&dump.path, Column::Source)?));
+    }
+    for dump in &args.accumulated {
+        all.push((&dump.path, dump_file::read(&dump.path, Column::Accumulated)?));
+    }
+    let side = side(args, &all);
+    let mut dumps = Vec::new();
+    for (path, numbers) in all {
+        let has = numbers.least_side();
+        let Some(mut numbers) = numbers.array(side) else {
+            let what = format!(
+                "{}: the dump has {has}³ cells, the others have {side}³; dump one grid throughout",
+                path.display()
+            );
+            return Err(CliError::Input(what));
+        };
+        numbers.iter_mut().flatten().for_each(|c| *c /= args.scale);
+        let storage = Storage::of(numbers.iter().flatten(), args.scale);
+        dumps.push(Dump { side, numbers, storage });
+    }
+    let mut dumps = dumps.into_iter();
+    let mut take = |of: &[Numbered]| -> Result<BTreeMap<usize, Dump>, CliError> {
+        let mut map = BTreeMap::new();
+        for numbered in of {
+            let k = numbered.iteration;
+            if dumps.next().and_then(|dump| map.insert(k, dump)).is_some() {
+                return Err(CliError::Input(format!("iteration {k} is given twice; give each grid once")));
+            }
+        }
+        Ok(map)
+    };
+    let first = [Numbered { iteration: 0, path: args.injected.clone() }];
+    let injected = take(&first)?.remove(&0).ok_or_else(|| CliError::Input("--injected: no dump".to_owned()))?;
+    Ok(Dumps { injected, source: take(&args.source)?, accumulated: take(&args.accumulated)? })
+}
+
+/// Cells along a side: what was asked for, what an array has, or the least power of two that holds all cells.
+fn side(args: &IdentifyArgs, all: &[(&PathBuf, Numbers)]) -> usize {
+    let array = all.iter().find_map(|(_, numbers)| match numbers {
+        Numbers::Array { side, .. } => Some(*side),
+        Numbers::Cells(_) => None,
+    });
+    let least = all.iter().map(|(_, numbers)| numbers.least_side()).max().unwrap_or(1);
+    let size = args.size.filter(|size| (least..=dump_file::LARGEST_SIDE).contains(size));
+    size.or(array).unwrap_or_else(|| least.next_power_of_two().max(8))
+}
+
+/// The cells in which an occluder stands, and their neighbours, edges and corners too.
+fn hidden(preset: &Path, side: usize) -> Result<Vec<bool>, CliError> {
+    let opened = super::open(preset)?;
+    let problem = Problem::build(&opened.preset, &opened.folder)?;
+    if problem.size != side {
+        let what = format!("{}: the preset has {}³ cells, the dumps have {side}³", preset.display(), problem.size);
+        return Err(CliError::Input(what + "; give the preset of the port's scene"));
+    }
+    let mut hidden = vec![false; side.pow(3)];
+    let around = |c: usize| c.saturating_sub(1)..(c + 2).min(side);
+    for [x, y, z] in problem.solids.iter().map(|solid| -> Cell { solid.cell }) {
+        for (z, y) in around(z).flat_map(|z| around(y).map(move |y| (z, y))) {
+            around(x).for_each(|x| hidden[x + side * (y + side * z)] = true);
+        }
+    }
+    Ok(hidden)
+}
