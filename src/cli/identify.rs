@@ -1,6 +1,5 @@
 //! `identify`: is a port right? From dumps of its grid.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -10,10 +9,7 @@ use super::{CliError, pattern};
 use crate::field::Cell;
 use crate::report::port;
 use crate::scene::Problem;
-use crate::scene::cell_file::Column;
-use crate::scene::dump_file::{self, Numbers};
-use crate::study::identify::layout::Dump;
-use crate::study::identify::light::Storage;
+use crate::study::identify::files::{Files, LATEST, Role};
 use crate::study::identify::verdict::{Judgement, Verdict};
 use crate::study::identify::{Dumps, identify};
 
@@ -62,9 +58,6 @@ struct Numbered {
     iteration: usize,
     path: PathBuf,
 }
-
-/// The latest iteration that is looked at.
-const LATEST: usize = 64;
 
 impl std::str::FromStr for Numbered {
     type Err = String;
@@ -120,54 +113,12 @@ fn write(folder: &Folder, lines: &[String], verdict: &Verdict) -> Result<(), Cli
 
 /// Reads all dumps.
 fn read(args: &IdentifyArgs) -> Result<Dumps, CliError> {
-    let injected = dump_file::read(&args.injected, Column::Source)?;
-    let mut all = vec![(&args.injected, injected)];
-    for dump in &args.source {
-        all.push((&dump.path, dump_file::read(&dump.path, Column::Source)?));
-    }
-    for dump in &args.accumulated {
-        all.push((&dump.path, dump_file::read(&dump.path, Column::Accumulated)?));
-    }
-    let side = side(args, &all);
-    let mut dumps = Vec::new();
-    for (path, numbers) in all {
-        let has = numbers.least_side();
-        let Some(mut numbers) = numbers.array(side) else {
-            let what = format!(
-                "{}: the dump has {has}³ cells, the others have {side}³; dump one grid throughout",
-                path.display()
-            );
-            return Err(CliError::Input(what));
-        };
-        numbers.iter_mut().flatten().for_each(|c| *c /= args.scale);
-        let storage = Storage::of(numbers.iter().flatten(), args.scale);
-        dumps.push(Dump { side, numbers, storage });
-    }
-    let mut dumps = dumps.into_iter();
-    let mut take = |of: &[Numbered]| -> Result<BTreeMap<usize, Dump>, CliError> {
-        let mut map = BTreeMap::new();
-        for numbered in of {
-            let k = numbered.iteration;
-            if dumps.next().and_then(|dump| map.insert(k, dump)).is_some() {
-                return Err(CliError::Input(format!("iteration {k} is given twice; give each grid once")));
-            }
-        }
-        Ok(map)
-    };
-    let first = [Numbered { iteration: 0, path: args.injected.clone() }];
-    let injected = take(&first)?.remove(&0).ok_or_else(|| CliError::Input("--injected: no dump".to_owned()))?;
-    Ok(Dumps { injected, source: take(&args.source)?, accumulated: take(&args.accumulated)? })
-}
-
-/// Cells along a side: what was asked for, what an array has, or the least power of two that holds all cells.
-fn side(args: &IdentifyArgs, all: &[(&PathBuf, Numbers)]) -> usize {
-    let array = all.iter().find_map(|(_, numbers)| match numbers {
-        Numbers::Array { side, .. } => Some(*side),
-        Numbers::Cells(_) => None,
-    });
-    let least = all.iter().map(|(_, numbers)| numbers.least_side()).max().unwrap_or(1);
-    let size = args.size.filter(|size| (least..=dump_file::LARGEST_SIDE).contains(size));
-    size.or(array).unwrap_or_else(|| least.next_power_of_two().max(8))
+    let injected = (args.injected.clone(), Role::Injected);
+    let source = args.source.iter().map(|dump| (dump.path.clone(), Role::Source(dump.iteration)));
+    let accumulated = args.accumulated.iter().map(|dump| (dump.path.clone(), Role::Accumulated(dump.iteration)));
+    let files = [injected].into_iter().chain(source).chain(accumulated).collect();
+    let files = Files { files, scale: args.scale, size: args.size };
+    files.read().map_err(|e| CliError::Input(e.to_string()))
 }
 
 /// The cells in which an occluder stands, and their neighbours, edges and corners too.

@@ -11,7 +11,9 @@
 //!
 //! A mistake is never named while a scheme that is right fits as well. [`catalogue`] holds the mistakes.
 
+pub mod beside;
 pub mod catalogue;
+pub mod files;
 pub mod fit;
 pub mod injection;
 pub mod iterations;
@@ -79,8 +81,21 @@ pub fn identify(dumps: &Dumps, pattern: Option<&Pattern>, hidden: &[bool]) -> Re
     check(dumps, pattern)?;
     let injection: Option<Injection> = pattern.and_then(|pattern| injection::read(&dumps.injected, pattern));
     let layout = injection.as_ref().map_or_else(|| guessed(dumps), |injection| injection.layout);
+    // A port that grows without bound may overflow: what is finite is looked at.
+    let mut finite = dumps.clone();
+    finite.source.retain(|_, dump| is_finite(dump));
+    finite.accumulated.retain(|_, dump| is_finite(dump));
+    let lost = dumps.source.len() + dumps.accumulated.len() - finite.source.len() - finite.accumulated.len();
     let hidden = if hidden.is_empty() { vec![false; side.pow(3)] } else { hidden.to_vec() };
-    Ok(judge::judge(dumps, layout, injection, hidden))
+    let mut verdict = judge::judge(&finite, layout, injection, hidden);
+    if lost > 0 {
+        verdict.notes.push(format!("{lost} of the later dumps overflow and are left out."));
+    }
+    Ok(verdict)
+}
+
+fn is_finite(dump: &Dump) -> bool {
+    dump.numbers.iter().flatten().all(|c| c.is_finite())
 }
 
 fn check(dumps: &Dumps, pattern: Option<&Pattern>) -> Result<(), Unusable> {
@@ -88,13 +103,13 @@ fn check(dumps: &Dumps, pattern: Option<&Pattern>) -> Result<(), Unusable> {
     if !dumps.source.contains_key(&1) {
         return Err(Unusable::NoFirst);
     }
-    let all = [("the injected grid", &dumps.injected)].into_iter();
-    let all = all.chain(dumps.source.values().map(|dump| ("a source grid", dump)));
-    for (which, dump) in all.chain(dumps.accumulated.values().map(|dump| ("an accumulated grid", dump))) {
+    for dump in dumps.source.values().chain(dumps.accumulated.values()) {
         if dump.side != side {
             return Err(Unusable::Sizes(side, dump.side));
         }
-        if !dump.numbers.iter().flatten().all(|c| c.is_finite()) {
+    }
+    for (which, dump) in [("the injected grid", &dumps.injected), ("the grid after iteration 1", &dumps.source[&1])] {
+        if !is_finite(dump) {
             return Err(Unusable::NotFinite { which });
         }
     }
@@ -112,9 +127,8 @@ fn guessed(dumps: &Dumps) -> Layout {
     let Some(first) = dumps.source.get(&1) else {
         return Layout { axes: Axes::LAB, coefficients: Coefficients::PUBLISHED };
     };
-    let numbers = || dumps.injected.numbers.iter().chain(&first.numbers);
-    let lowest = |j: usize| numbers().map(|c| c[j]).fold(f64::INFINITY, f64::min);
-    let sum = |j: usize| numbers().map(|c| c[j]).sum::<f64>();
+    let lowest = |j: usize| dumps.injected.numbers.iter().map(|c| c[j]).fold(f64::INFINITY, f64::min);
+    let sum = |j: usize| dumps.injected.numbers.iter().chain(&first.numbers).map(|c| c[j]).sum::<f64>();
     let positive = (0..4).filter(|j| lowest(*j) >= 0.0 && sum(*j) > 0.0);
     let mean = positive.max_by(|a, b| sum(*a).total_cmp(&sum(*b))).unwrap_or(0);
     let coefficients = match mean {

@@ -110,7 +110,7 @@ fn go_together(chosen: &[&str]) -> bool {
     let lightless_sides = any(&["zero-sides", "face-index-sides", "componentwise-sides"]);
     let copies = any(&["sum-into-source", "temporal-mix", "wrong-cell-copied", "own-cell"]);
     // The sum of ports that keep light is a sum of sums; S0 twice is then once more.
-    !(has("no-far-face") && any(&["digit-typo", "near-face"]))
+    !(has("no-far-face") && any(&["digit-typo", "near-face", "clamp-none", "clamp-partial"]))
         && !(lightless_sides && any(&["digit-typo", "four-digit-constants", "read-sign", "lobe-sign"]))
         // A cell that reads itself meets no border, and what turns light does not show.
         && !(has("own-cell") && any(&["edge-border", "wrap-border", "flat-layout", "in-place", "chessboard", "injects-minus-n", "injection-axes"]))
@@ -219,7 +219,7 @@ fn the_wrong_digit_shows_in_half_precision_on_the_dense_pattern_alone() {
         let port = Port { mistakes: vec!["digit-typo"], half: true, ..Port::right("cascaded", factor) };
         let dense = Pattern::find("dense", 8).unwrap();
         let verdict = look(&port, &dense, &PUBLISHED);
-        assert!(names(&verdict, &["digit-typo"]), "{}", told(&verdict));
+        assert!(names(&verdict, &["digit-typo"]), "{} {:?}", told(&verdict), verdict.ratio);
         for side in [8, 16] {
             let verdict = look(&port, &spaced(side), &PUBLISHED);
             assert_eq!(verdict.judgement, Judgement::Correct, "{}", told(&verdict));

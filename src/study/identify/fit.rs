@@ -32,8 +32,11 @@ pub enum Rounding {
     Dumped,
 }
 
-/// Rounding errors of a step in single precision: thirty sums of a few products each.
+/// The largest error of a step's sums in single precision, over the sum of magnitudes.
 const ARITHMETIC: f64 = 16.0 * 6e-8;
+
+/// One that is usual: it weighs numbers that are small because large ones cancel.
+const USUAL_ARITHMETIC: f64 = 6e-8;
 
 /// Weights with their covariance.
 #[derive(Clone, Debug, PartialEq)]
@@ -217,10 +220,11 @@ impl Step {
     /// The weights of a port, each number weighted by its rounding, and how the step then agrees with the dump.
     pub fn precise(&self, port: &Port, rounding: Rounding, receivers: &[Cell]) -> (Fit, Agreement) {
         let rough = self.rough(port, receivers);
-        let tolerances = self.tolerances(port, &rough.weights, rounding, receivers);
+        let usual = self.usual_errors(port, &rough.weights, rounding, receivers);
         let mut sums = Sums::default();
-        self.collect(port, receivers, &tolerances, true, &mut sums);
+        self.collect(port, receivers, &usual, true, &mut sums);
         let fit = sums.solve(DEVIATION);
+        let tolerances = self.tolerances(port, &rough.weights, rounding, receivers);
         let agreement = self.agreement(port, &fit.weights, receivers, &tolerances);
         (fit, agreement)
     }
@@ -245,13 +249,35 @@ impl Step {
         rounding: Rounding,
         receivers: &[Cell],
     ) -> Vec<[f64; 4]> {
+        self.errors(port, weights, rounding, receivers, ARITHMETIC)
+    }
+
+    /// How far each number of the receivers usually is off at most: by this numbers are weighted.
+    pub fn usual_errors(
+        &self,
+        port: &Port,
+        weights: &[f64; KINDS],
+        rounding: Rounding,
+        receivers: &[Cell],
+    ) -> Vec<[f64; 4]> {
+        self.errors(port, weights, rounding, receivers, USUAL_ARITHMETIC)
+    }
+
+    fn errors(
+        &self,
+        port: &Port,
+        weights: &[f64; KINDS],
+        rounding: Rounding,
+        receivers: &[Cell],
+        arithmetic: f64,
+    ) -> Vec<[f64; 4]> {
         let errors = port.of_errors();
         let weights = weights.map(f64::abs);
         let carried = |light: &Light, storage: Storage| {
             let mut errors = light.clone();
             for c in errors.cells_mut().iter_mut().flatten() {
                 let stored = if rounding == Rounding::Dumped { storage.rounding(*c) } else { 0.0 };
-                *c = c.abs() * ARITHMETIC + stored;
+                *c = c.abs() * arithmetic + stored;
             }
             errors
         };

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use super::fit::Rounding;
 use super::light::{Light, Storage};
-use super::port::{KINDS, Kind, Port};
+use super::port::{KINDS, Kind, Order, Port};
 
 /// What the first iteration and the later ones keep.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,7 +108,10 @@ fn rules(stepped: &Stepped, later: &Later) -> Vec<Rule> {
         // The search has named the copy already.
         rules.push(rule("wrong-cell-copied", None, own, none, 0.0));
         rules.push(rule("wrong-cell-copied, always", None, own, own, 0.0));
-    } else if own[0] == own[1] && (0.5..1.0).contains(&own[0]) && gain / (1.0 - own[0]) < LARGEST_FACTOR {
+    } else if own[0] == own[1]
+        && (0.5..1.0).contains(&own[0])
+        && (own[0] >= 0.75 || gain / (1.0 - own[0]) < LARGEST_FACTOR)
+    {
         rules.push(rule("temporal-mix", Some("temporal-mix"), own, own, 0.0));
         rules.push(rule("temporal-mix, first iteration", Some("temporal-mix"), own, none, 0.0));
     } else {
@@ -192,6 +195,16 @@ fn run(stepped: &Stepped, rule: &Rule, later: &Later, last: usize) -> (Vec<Sure>
         let faint = light.largest() * 1e-9 + 1e-40;
         for (e, c) in error.cells_mut().iter_mut().flatten().zip(light.cells().iter().flatten()) {
             *e += stored.rounding(*c) * 1.1 + faint;
+        }
+        if stepped.port.order != Order::AtOnce {
+            // Cells that are read after they are updated were rounded in between.
+            let at_once = Port { order: Order::AtOnce, ..errors.clone() };
+            let mut rounded = light.clone();
+            rounded.cells_mut().iter_mut().flatten().for_each(|c| *c = stored.rounding(*c) * 1.1);
+            for _ in 0..3 {
+                rounded = at_once.step(&weights.map(f64::abs), &rounded);
+                error.add_scaled(&rounded, 1.0);
+            }
         }
         let next = Sure { light, error };
         match later.source.get(&(k + 1)) {

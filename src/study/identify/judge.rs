@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use super::beside::Right;
 use super::catalogue::{self, Edit, Group};
 use super::fit::{Rounding, Step, Sums};
 use super::injection::Injection;
 use super::iterations::{self, Iterations, Later, Stepped};
 use super::layout::{Coefficients, Dump, Layout};
 use super::light::{Light, Storage, is_lit};
-use super::port::{Border, Kind, Order, Port};
+use super::port::{Border, Kind, Port};
 use super::search::{self, Candidate, Found};
 use super::verdict::{Judgement, Law, Named, Verdict, Wrong};
 use super::weights::{self, Base, Nominal, Reading};
@@ -337,7 +338,7 @@ fn refine(candidate: &mut Candidate, account: &Account, steps: impl Iterator<Ite
         let receivers = step.receivers();
         let mut weights = account.reading.weights;
         weights[Kind::Own0 as usize..].fill(0.0);
-        let tolerances = step.tolerances(&port, &weights, candidate.rounding, &receivers);
+        let tolerances = step.usual_errors(&port, &weights, candidate.rounding, &receivers);
         step.collect(&port, &receivers, &tolerances, false, &mut sums);
     }
     if known {
@@ -440,23 +441,11 @@ fn first_wrong(account: &Account, base: &Base, later: &Later, right: &Port, hidd
         return None;
     }
     let nominal = base.schemes.iter().find(|n| n.scheme == account.reading.scheme).unwrap_or(&base.schemes[0]);
-    let factor = account.reading.factor.value;
-    let four_pi = 4.0 * std::f64::consts::PI;
-    // An author who forgot the 4π meant the factor without it.
-    let factor = if factor > 0.75 * four_pi { factor / four_pi } else { factor };
-    let mut weights = [0.0; super::port::KINDS];
-    weights[Kind::Far as usize] = nominal.far * factor;
-    weights[Kind::Side as usize] = nominal.side * factor;
-    let mut port = right.clone();
-    port.taps.iter_mut().flatten().for_each(|tap| tap.clamp = tap.clamp || nominal.scheme != "blog");
-    port.order = Order::AtOnce;
-    let kept = if account.iterations.rule.name == "copy-first" { 1.0 } else { 0.0 };
+    let copies_first = account.iterations.rule.name == "copy-first";
+    let right = Right::new(right, nominal, account.reading.factor.value, copies_first);
     let mut light = later.source.get(&0)?.0.clone();
     for k in 0..*later.source.keys().max()? {
-        let mut w = weights;
-        w[Kind::Own0 as usize] = if k == 0 { kept } else { 0.0 };
-        w[Kind::Own1 as usize] = w[Kind::Own0 as usize];
-        light = port.step(&w, &light);
+        light = right.step(k, &light);
         let Some((dump, storage)) = later.source.get(&(k + 1)) else { continue };
         let slack = light.largest() * 1e-6;
         let differs = |i: usize| {

@@ -122,7 +122,8 @@ fn grown(step: &Step, bases: &[(Port, usize)], beam: &[Node], edits: &[Edit], ra
                 continue;
             }
             let left = step.rough(&port, ranked).left;
-            if left < node.left * 0.999 {
+            // Two mistakes may hide each other, so that either alone makes it worse.
+            if left < node.left * 0.999 || (node.edits.is_empty() && node.base == 0 && turns_all(edit)) {
                 nodes.push(Node { base: node.base, edits: chosen, port, left });
             }
         }
@@ -144,17 +145,26 @@ fn looked_at(step: &Step, node: &Node, rounding: Rounding, receivers: &[Cell]) -
     Candidate { base: node.base, edits: node.edits.clone(), port: node.port.clone(), fit, agreement, rounding }
 }
 
-/// The best ports, no two that are alike, and few with the same mistakes.
+/// Whether a mistake is worth a second one whatever it leaves alone: it turns all light.
+fn turns_all(edit: &Edit) -> bool {
+    let is_table = edit.mistake.id == "side-table-sign";
+    let is_whole = edit.mistake.group == Group::Faces && !is_table && !edit.detail.contains("light ");
+    is_whole || edit.mistake.group == Group::Injection
+}
+
+/// The best ports, no two that are alike, and few with the same mistakes; and those that a second mistake may turn
+/// back.
 fn kept(nodes: Vec<Node>, edits: &[Edit], most: usize) -> Vec<Node> {
     let mut kept: Vec<Node> = Vec::new();
     let mut forms: HashMap<Vec<&str>, usize> = HashMap::new();
     for node in nodes {
-        if kept.len() == most {
-            break;
+        if kept.len() >= most && !(node.edits.len() == 1 && node.base == 0 && turns_all(&edits[node.edits[0]])) {
+            continue;
         }
         let ids: Vec<&str> = node.edits.iter().map(|e| edits[*e].mistake.id).collect();
         let alike = forms.entry(ids).or_default();
-        if (*alike < FORMS || node.edits.is_empty()) && !kept.iter().any(|k| k.port == node.port) {
+        let turns = node.edits.len() == 1 && turns_all(&edits[node.edits[0]]);
+        if (*alike < FORMS || node.edits.is_empty() || turns) && !kept.iter().any(|k| k.port == node.port) {
             *alike += 1;
             kept.push(node);
         }

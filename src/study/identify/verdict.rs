@@ -10,14 +10,14 @@ use crate::field::Cell;
 pub struct Estimate {
     /// The number.
     pub value: f64,
-    /// How far off it may be: four standard deviations and what single precision leaves.
+    /// How far off it may be: six standard deviations and what single precision leaves.
     pub uncertainty: f64,
 }
 
 impl Estimate {
     /// A number with one standard deviation.
     pub fn of(value: f64, deviation: f64) -> Self {
-        Estimate { value, uncertainty: 4.0 * deviation + 4e-7 * value.abs() }
+        Estimate { value, uncertainty: 6.0 * deviation + 4e-7 * value.abs() }
     }
 
     /// Whether it may be `number`.

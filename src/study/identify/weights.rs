@@ -130,7 +130,10 @@ pub fn read(fit: &Fit, base: &Base, others: &[Nominal], mixed: f64) -> Reading {
         nominal
     } else if no_far {
         mistakes.push(("no-far-face", String::new()));
-        Nominal { far: 0.0, ..first }
+        // Without the far face weights cannot tell the scheme: the one that clamps every face is meant.
+        let clamped = |port: &Port| port.taps.iter().flatten().all(|tap| tap.clamp);
+        let meant = if clamped(&base.port) { first } else { others.first().copied().unwrap_or(first) };
+        Nominal { far: 0.0, ..meant }
     } else {
         let matching = ratio.and_then(|(ratio, error)| {
             let near = |w: &(&str, f64, f64, &str)| (ratio - w.1).abs() <= (5.0 * error).max(w.2 * w.1);
