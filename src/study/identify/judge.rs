@@ -97,10 +97,9 @@ pub(super) fn judge(dumps: &Dumps, layout: Layout, injection: Option<Injection>,
     let bases = weights::bases(&schemes::all());
     let first = step(0);
     let stays = first.as_ref().is_some_and(light_stays);
-    let start = |base: &Base, convention: &[(usize, f64); 3]| {
-        (Port { reads_itself: stays, ..turned(&base.port, convention) }, 0)
-    };
-    let starts: Vec<(Port, usize)> = conventions.iter().flat_map(|c| bases.iter().map(|base| start(base, c))).collect();
+    let start =
+        |base: &Base, convention: &[(usize, f64); 3]| Port { reads_itself: stays, ..turned(&base.port, convention) };
+    let starts: Vec<Port> = conventions.iter().flat_map(|c| bases.iter().map(|base| start(base, c))).collect();
     let mut edits = catalogue::edits();
     edits.retain(|edit| pattern_known || edit.mistake.group != Group::Injection);
     let most = if pattern_known { search::MOST_MISTAKES } else { 2 };

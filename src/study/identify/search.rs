@@ -6,6 +6,8 @@
 
 use std::collections::{HashMap, HashSet};
 
+use rayon::prelude::*;
+
 use super::catalogue::{Edit, Group};
 use super::fit::{Agreement, Fit, Rounding, Step};
 use super::port::{Kind, Port};
@@ -21,10 +23,13 @@ const BEAM: usize = 20;
 const FORMS: usize = 3;
 
 /// Cells by which ports are ranked; all cells decide whether one is right.
-const RANKED_BY: usize = 150;
+const RANKED_BY: usize = 100;
 
 /// Ports of the same number of mistakes whose agreement is looked at closely.
 const LOOKED_AT: usize = 30;
+
+/// The largest share of the squares that rounding leaves; integers over a thousand are the coarsest.
+const ROUNDING: f64 = 2e-3;
 
 /// A port that was tried.
 #[derive(Clone, Debug)]
@@ -48,8 +53,19 @@ pub struct Candidate {
 struct Node {
     base: usize,
     edits: Vec<usize>,
-    port: Port,
+    /// The sum of squares that is left over.
     left: f64,
+    /// And before anything was explained.
+    total: f64,
+}
+
+/// What ports are made from.
+struct Parts<'a> {
+    step: &'a Step,
+    bases: &'a [Port],
+    edits: &'a [Edit],
+    /// The cells by which ports are ranked.
+    ranked: Vec<Cell>,
 }
 
 /// What was found.
@@ -61,24 +77,25 @@ pub struct Found {
     pub nearest: Candidate,
 }
 
-/// Looks for ports that make `step`, from `bases` by `edits`; `cost` says how many mistakes a base stands for.
-pub fn search(step: &Step, bases: &[(Port, usize)], edits: &[Edit], most: usize) -> Option<Found> {
+/// Looks for ports that make `step`, from `bases` by `edits`, of at most `most` mistakes.
+pub fn search(step: &Step, bases: &[Port], edits: &[Edit], most: usize) -> Option<Found> {
     let receivers = step.receivers();
-    let ranked = thinned(&receivers);
+    let parts = Parts { step, bases, edits, ranked: thinned(&receivers) };
     let mut beam: Vec<Node> = Vec::new();
     let mut nearest: Option<Candidate> = None;
     for mistakes in 0..=most {
-        let mut nodes = grown(step, bases, &beam, edits, &ranked);
-        let fresh = bases.iter().enumerate().filter(|(_, (_, cost))| *cost == mistakes);
-        nodes.extend(fresh.map(|(base, (port, _))| {
-            let left = step.rough(port, &ranked).left;
-            Node { base, edits: Vec::new(), port: port.clone(), left }
-        }));
+        let mut nodes = if mistakes == 0 { parts.right() } else { parts.grown(&beam) };
         nodes.sort_by(|a, b| a.left.total_cmp(&b.left));
         let mut full = Vec::new();
         for rounding in [Rounding::Stored, Rounding::Dumped] {
-            for node in nodes.iter().take(LOOKED_AT) {
-                let candidate = looked_at(step, node, rounding, &receivers);
+            // What leaves much is no rounding.
+            let near = nodes
+                .iter()
+                .enumerate()
+                .take(LOOKED_AT)
+                .filter(|(i, node)| *i < 2 || node.left < ROUNDING * node.total);
+            for (_, node) in near {
+                let candidate = parts.looked_at(node, rounding, &receivers);
                 if candidate.agreement.is_full() && is_sensible(&candidate.port, &candidate.fit) {
                     full.push(candidate);
                 } else if nearest.as_ref().is_none_or(|n| candidate.agreement.agreeing > n.agreement.agreeing) {
@@ -95,81 +112,104 @@ pub fn search(step: &Step, bases: &[(Port, usize)], edits: &[Edit], most: usize)
             full.sort_by(|a, b| (a.base, &a.edits).cmp(&(b.base, &b.edits)));
             return Some(Found { full, nearest });
         }
-        // All schemes, and where the coefficients are not known all conventions, are worth a first mistake.
-        beam = kept(nodes, edits, if mistakes == 0 { bases.len() } else { BEAM });
+        beam = parts.kept(nodes, mistakes);
     }
     nearest.map(|nearest| Found { full: Vec::new(), nearest })
 }
 
-/// Every port with one mistake more than one of the beam.
-fn grown(step: &Step, bases: &[(Port, usize)], beam: &[Node], edits: &[Edit], ranked: &[Cell]) -> Vec<Node> {
-    let mut nodes: Vec<Node> = Vec::new();
-    let mut seen: HashSet<(usize, Vec<usize>)> = HashSet::new();
-    for node in beam {
-        for (i, edit) in edits.iter().enumerate() {
-            if !goes_with(edit, i, node, edits) {
-                continue;
+impl Parts<'_> {
+    fn port(&self, base: usize, edits: &[usize]) -> Port {
+        let mut port = self.bases[base].clone();
+        edits.iter().for_each(|e| (self.edits[*e].rule)(&mut port));
+        port
+    }
+
+    /// Every port without a mistake.
+    fn right(&self) -> Vec<Node> {
+        let node = |base: usize| {
+            let fit = self.step.rough(&self.bases[base], &self.ranked);
+            Node { base, edits: Vec::new(), left: fit.left, total: fit.total }
+        };
+        (0..self.bases.len()).into_par_iter().map(node).collect()
+    }
+
+    /// Every port with one mistake more than one of the beam.
+    fn grown(&self, beam: &[Node]) -> Vec<Node> {
+        let mut seen: HashSet<(usize, Vec<usize>)> = HashSet::new();
+        let mut chosen: Vec<(&Node, Vec<usize>)> = Vec::new();
+        for node in beam {
+            for i in (0..self.edits.len()).filter(|i| self.goes_with(*i, node)) {
+                let mut edits = node.edits.clone();
+                edits.insert(edits.partition_point(|&e| e < i), i);
+                if seen.insert((node.base, edits.clone())) {
+                    chosen.push((node, edits));
+                }
             }
-            let mut chosen = node.edits.clone();
-            let at = chosen.partition_point(|&e| e < i);
-            chosen.insert(at, i);
-            if !seen.insert((node.base, chosen.clone())) {
-                continue;
-            }
-            let mut port = bases[node.base].0.clone();
-            chosen.iter().for_each(|&e| (edits[e].rule)(&mut port));
-            if port == node.port {
-                continue;
-            }
-            let left = step.rough(&port, ranked).left;
+        }
+        let node = |(from, edits): (&Node, Vec<usize>)| {
+            let fit = self.step.rough(&self.port(from.base, &edits), &self.ranked);
             // Two mistakes may hide each other, so that either alone makes it worse.
-            if left < node.left * 0.999 || (node.edits.is_empty() && node.base == 0 && turns_all(edit)) {
-                nodes.push(Node { base: node.base, edits: chosen, port, left });
+            let worth = fit.left < from.left * 0.999 || (from.base == 0 && self.turns_all(&edits));
+            worth.then_some(Node { base: from.base, edits, left: fit.left, total: fit.total })
+        };
+        chosen.into_par_iter().filter_map(node).collect()
+    }
+
+    /// Whether a mistake can join those that a port has: one clamp, border, order and convention, each form once.
+    fn goes_with(&self, i: usize, node: &Node) -> bool {
+        let group = self.edits[i].mistake.group;
+        let alike = |e: &usize| group != Group::Faces && self.edits[*e].mistake.group == group;
+        !node.edits.iter().any(|e| *e == i || alike(e))
+    }
+
+    /// Whether a lone mistake is worth a second one whatever it leaves: it turns all light.
+    fn turns_all(&self, edits: &[usize]) -> bool {
+        let [edit] = edits else { return false };
+        let edit = &self.edits[*edit];
+        let whole = !edit.detail.contains("light ");
+        match edit.mistake.id {
+            "injects-minus-n" => true,
+            "injection-axes" => edit.rank < 5,
+            "reads-minus-d" | "sides-minus-d" | "read-sign" | "lobe-sign" | "reprojected-along-read" => whole,
+            "mirrored-sides" | "axes-exchanged" => whole,
+            _ => false,
+        }
+    }
+
+    fn looked_at(&self, node: &Node, rounding: Rounding, receivers: &[Cell]) -> Candidate {
+        let port = self.port(node.base, &node.edits);
+        let (fit, agreement) = self.step.precise(&port, rounding, receivers);
+        Candidate { base: node.base, edits: node.edits.clone(), port, fit, agreement, rounding }
+    }
+
+    /// The best ports, no two that are alike, and few with the same mistakes; and those that a second mistake may
+    /// turn back. All schemes, and where the coefficients are not known all conventions, are worth a first mistake.
+    fn kept(&self, nodes: Vec<Node>, mistakes: usize) -> Vec<Node> {
+        if mistakes == 0 {
+            return nodes;
+        }
+        let mut kept: Vec<(Node, Port)> = Vec::new();
+        let mut forms: HashMap<Vec<&str>, usize> = HashMap::new();
+        let mut best = 0;
+        for node in nodes {
+            let turns = node.base == 0 && self.turns_all(&node.edits);
+            if best >= BEAM && !turns {
+                continue;
+            }
+            let ids: Vec<&str> = node.edits.iter().map(|e| self.edits[*e].mistake.id).collect();
+            let alike = forms.entry(ids).or_default();
+            if *alike >= FORMS && !turns {
+                continue;
+            }
+            let port = self.port(node.base, &node.edits);
+            if !kept.iter().any(|(_, other)| *other == port) {
+                *alike += 1;
+                best += 1;
+                kept.push((node, port));
             }
         }
+        kept.into_iter().map(|(node, _)| node).collect()
     }
-    nodes
-}
-
-/// Whether a mistake can join those that a port has: one clamp, border, order and convention, each mistake once in a
-/// form.
-fn goes_with(edit: &Edit, index: usize, node: &Node, edits: &[Edit]) -> bool {
-    node.edits.iter().all(|&e| {
-        let other = &edits[e];
-        e != index && (edit.mistake.group == Group::Faces || other.mistake.group != edit.mistake.group)
-    })
-}
-
-fn looked_at(step: &Step, node: &Node, rounding: Rounding, receivers: &[Cell]) -> Candidate {
-    let (fit, agreement) = step.precise(&node.port, rounding, receivers);
-    Candidate { base: node.base, edits: node.edits.clone(), port: node.port.clone(), fit, agreement, rounding }
-}
-
-/// Whether a mistake is worth a second one whatever it leaves alone: it turns all light.
-fn turns_all(edit: &Edit) -> bool {
-    let is_table = edit.mistake.id == "side-table-sign";
-    let is_whole = edit.mistake.group == Group::Faces && !is_table && !edit.detail.contains("light ");
-    is_whole || edit.mistake.group == Group::Injection
-}
-
-/// The best ports, no two that are alike, and few with the same mistakes; and those that a second mistake may turn
-/// back.
-fn kept(nodes: Vec<Node>, edits: &[Edit], most: usize) -> Vec<Node> {
-    let mut kept: Vec<Node> = Vec::new();
-    let mut forms: HashMap<Vec<&str>, usize> = HashMap::new();
-    for node in nodes {
-        if kept.len() >= most && !(node.edits.len() == 1 && node.base == 0 && turns_all(&edits[node.edits[0]])) {
-            continue;
-        }
-        let ids: Vec<&str> = node.edits.iter().map(|e| edits[*e].mistake.id).collect();
-        let alike = forms.entry(ids).or_default();
-        let turns = node.edits.len() == 1 && turns_all(&edits[node.edits[0]]);
-        if (*alike < FORMS || node.edits.is_empty() || turns) && !kept.iter().any(|k| k.port == node.port) {
-            *alike += 1;
-            kept.push(node);
-        }
-    }
-    kept
 }
 
 /// Whether weights are some that an author could have typed: none is negative, and light that goes back through the
