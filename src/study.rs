@@ -1,10 +1,12 @@
 //! Questions put to simulations.
 
-pub mod ballistic;
 pub mod benchmark;
 pub mod compare;
 pub mod error;
+pub mod expectation;
+pub mod fit;
 pub mod identify;
+pub mod light;
 pub mod pareto;
 pub mod pattern;
 pub mod profile;

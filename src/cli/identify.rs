@@ -80,6 +80,7 @@ pub fn run(args: &IdentifyArgs) -> Result<(), CliError> {
     if !(args.scale.is_finite() && args.scale > 0.0) {
         return Err(CliError::Input("--scale: the factor must be a number above 0".to_owned()));
     }
+    let folder = args.out.as_ref().map(Folder::create).transpose()?;
     let dumps = read(args)?;
     let side = dumps.injected.side;
     let pattern = match args.pattern.as_str() {
@@ -89,9 +90,10 @@ pub fn run(args: &IdentifyArgs) -> Result<(), CliError> {
     let hidden = args.occluders.as_ref().map_or(Ok(Vec::new()), |preset| hidden(preset, side))?;
     let verdict = identify(&dumps, pattern.as_ref(), &hidden).map_err(|e| CliError::Input(e.to_string()))?;
     let lines = port::lines(&verdict);
-    lines.iter().for_each(|line| println!("{line}"));
-    if let Some(out) = &args.out {
-        write(&Folder::create(out.clone())?, &lines, &verdict)?;
+    lines.iter().for_each(|line| say!("{line}"));
+    if let Some(folder) = folder {
+        write(&folder, &lines, &verdict)?;
+        folder.finish();
     }
     match &args.expect {
         Some(scheme) if verdict.judgement != Judgement::Correct || verdict.scheme != Some(scheme.as_str()) => {

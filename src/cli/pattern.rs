@@ -1,15 +1,14 @@
 //! `pattern`: lights to inject into a port, so that `identify` can tell what it does.
 
-use std::io::{ErrorKind, Write};
 use std::path::PathBuf;
 
 use clap::Args;
 
-use super::CliError;
+use super::{CliError, console};
 use crate::field::Grid;
 use crate::scene::cell_file;
-use crate::scene::file::write_whole;
 use crate::study::pattern::Pattern;
+use crate::system::file::write_whole;
 
 /// Which pattern, and where to.
 #[derive(Args, Debug)]
@@ -40,21 +39,12 @@ pub fn find(name: &str, size: usize) -> Result<Pattern, CliError> {
     })
 }
 
-/// Prints a text; whoever reads may stop early, as `head` does.
-fn print(text: &str) -> Result<(), CliError> {
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
-        Err(e) if e.kind() != ErrorKind::BrokenPipe => {
-            Err(CliError::Failed(format!("cannot write to the terminal: {e}")))
-        }
-        _ => Ok(()),
-    }
-}
-
 /// Does the command.
 pub fn run(args: &PatternArgs) -> Result<(), CliError> {
     let pattern = find(&args.name, args.size)?;
     let Some(path) = &args.out else {
-        return print(pattern.csv());
+        console::print(format_args!("{}", pattern.csv()));
+        return Ok(());
     };
     let bytes = match path.extension().and_then(|e| e.to_str()) {
         Some("csv") => pattern.csv().as_bytes().to_vec(),
@@ -66,7 +56,7 @@ pub fn run(args: &PatternArgs) -> Result<(), CliError> {
             pattern.lobes().iter().for_each(|lobe| exact.add(lobe.cell, lobe.light()));
             exact.iter().for_each(|(cell, light)| grid.set(cell, light.cast()));
             let mut bytes = Vec::new();
-            cell_file::write_npy(&mut bytes, &grid).map_err(|e| CliError::cannot_write(path, e))?;
+            cell_file::write_npy(&mut bytes, &grid).map_err(|e| CliError::Failed(format!("{}: {e}", path.display())))?;
             bytes
         }
         _ => {

@@ -8,14 +8,16 @@ use std::path::Path;
 
 use super::cell_file::Column;
 use super::error::{SceneError, quote};
-use super::npy::{self, Broken, Number};
-use super::{file, rows};
+use super::npy::{self, Number};
+use super::rows::{self, Wrong};
+use crate::system::file;
 
 /// The largest side of a dump.
 pub const LARGEST_SIDE: usize = 128;
 
 /// The headers of CSV dumps.
-const HEADERS: [&str; 3] = ["x,y,z,s0,s1,s2,s3,a0,a1,a2,a3", "x,y,z,a0,a1,a2,a3", "x,y,z,c0,c1,c2,c3"];
+const HEADERS: [&str; 4] =
+    ["x,y,z,s0,s1,s2,s3,a0,a1,a2,a3", "x,y,z,s0,s1,s2,s3", "x,y,z,a0,a1,a2,a3", "x,y,z,c0,c1,c2,c3"];
 
 /// Numbers of a dump.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,17 +68,17 @@ pub fn read(path: &Path, column: Column) -> Result<Numbers, SceneError> {
         return array(BufReader::new(file), length)
             .map_err(|(what, remedy)| SceneError::file(path, None, what, remedy));
     }
-    let cells = rows::read(path, LARGEST_SIDE, LARGEST_SIDE.pow(3), &HEADERS, |_, numbers| {
+    let rows = rows::read(path, LARGEST_SIDE, LARGEST_SIDE.pow(3), &HEADERS, |_, numbers| {
         let chosen: Option<&[f64; 4]> = match column {
             Column::Source => numbers.first_chunk(),
             Column::Accumulated => numbers.last_chunk(),
         };
-        chosen.copied().ok_or_else(|| ("no light".to_owned(), "write four coefficients"))
+        chosen.copied().ok_or_else(|| ("no light".to_owned(), "write four coefficients".to_owned()))
     })?;
-    Ok(Numbers::Cells(cells))
+    Ok(Numbers::Cells(rows.cells))
 }
 
-fn array(mut file: impl Read, length: u64) -> Result<Numbers, Broken> {
+fn array(mut file: impl Read, length: u64) -> Result<Numbers, Wrong> {
     let (header, header_length) = npy::header(&mut file)?;
     let number = Number::in_c_order(&header)?;
     let side = side(&header)?;
@@ -93,7 +95,7 @@ fn array(mut file: impl Read, length: u64) -> Result<Numbers, Broken> {
 }
 
 /// The n of an array of shape (n, n, n, 4).
-fn side(header: &str) -> Result<usize, Broken> {
+fn side(header: &str) -> Result<usize, Wrong> {
     let shape = npy::entry(header, "shape").unwrap_or_default();
     let numbers: Vec<usize> = shape
         .trim_matches(['(', ')'])
@@ -122,7 +124,7 @@ mod tests {
         bytes
     }
 
-    fn read_bytes(bytes: &[u8]) -> Result<Numbers, Broken> {
+    fn read_bytes(bytes: &[u8]) -> Result<Numbers, Wrong> {
         array(bytes, bytes.len() as u64)
     }
 
