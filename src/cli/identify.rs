@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::console::say;
 use super::output::Folder;
 use super::{CliError, pattern};
 use crate::field::Cell;

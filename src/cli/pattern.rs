@@ -56,7 +56,8 @@ pub fn run(args: &PatternArgs) -> Result<(), CliError> {
             pattern.lobes().iter().for_each(|lobe| exact.add(lobe.cell, lobe.light()));
             exact.iter().for_each(|(cell, light)| grid.set(cell, light.cast()));
             let mut bytes = Vec::new();
-            cell_file::write_npy(&mut bytes, &grid).map_err(|e| CliError::Failed(format!("{}: {e}", path.display())))?;
+            cell_file::write_npy(&mut bytes, &grid)
+                .map_err(|e| CliError::Failed(format!("{}: {e}", path.display())))?;
             bytes
         }
         _ => {
