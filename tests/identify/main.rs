@@ -191,15 +191,14 @@ fn random_mistakes_are_named() {
 }
 
 #[test]
-fn every_pair_of_mistakes_is_named() {
+fn pairs_of_mistakes_are_named() {
     let mut wrong = Vec::new();
     let mut count = 0;
     for (a, first) in KINDS.iter().enumerate() {
-        for second in &KINDS[a + 1..] {
-            for (i, pair) in first.iter().flat_map(|x| second.iter().map(move |y| [*x, *y])).enumerate() {
-                if !go_together(&pair) {
-                    continue;
-                }
+        for (b, second) in KINDS.iter().enumerate().skip(a + 1) {
+            let pairs = first.iter().flat_map(|x| second.iter().map(move |y| [*x, *y]));
+            // Some of every two kinds, so that every mistake meets others.
+            for (i, pair) in pairs.filter(|pair| go_together(pair)).enumerate().filter(|(i, _)| i % 5 == (a + b) % 5) {
                 count += 1;
                 let port = Port { mistakes: pair.to_vec(), form: i % 24, ..Port::right("cascaded", 3.0) };
                 let verdict = look(&port, &spaced(8), &PUBLISHED);

@@ -83,7 +83,7 @@ fn role_of(ui: &mut Ui, role: &mut Role) {
 }
 
 /// What is told of the port.
-pub fn verdict(ui: &mut Ui, session: &Session, answer: &Answer, asks: &mut Asks) {
+pub fn verdict(ui: &mut Ui, answer: &Answer, asks: &mut Asks) {
     let [first, rest @ ..] = &answer.lines[..] else { return };
     let color = match answer.verdict.judgement {
         Judgement::Correct => ui.visuals().text_color(),
@@ -99,12 +99,11 @@ pub fn verdict(ui: &mut Ui, session: &Session, answer: &Answer, asks: &mut Asks)
         match Preset::parse(&preset, std::path::Path::new("corrected")) {
             Ok(preset) => {
                 asks.ask(Ask::Preset(Box::new(preset)));
-                asks.ask(Ask::Do(crate::app::session::command::Command::ToLight));
+                asks.ask(Ask::Say("The corrected preset is the document now".to_owned()));
             }
             Err(error) => asks.ask(Ask::Say(error.to_string())),
         }
     }
-    let _ = session;
     ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
         for line in rest {
             ui.label(line);

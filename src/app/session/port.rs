@@ -40,7 +40,7 @@ pub struct Sight {
 }
 
 /// A port that is looked at.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Port {
     /// What is asked.
     pub question: Question,

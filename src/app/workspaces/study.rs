@@ -44,7 +44,7 @@ impl Panels for Study {
             port::files(ui, session, asks);
             ui.separator();
             match answer {
-                Some(answer) => port::verdict(ui, session, answer, asks),
+                Some(answer) => port::verdict(ui, answer, asks),
                 None => {
                     ui.label(session.port_is_waiting_for());
                 }
