@@ -12,6 +12,7 @@ pub mod number;
 pub mod pareto_figure;
 pub mod picture;
 pub mod plot;
+pub mod port;
 pub mod raster;
 pub mod slice;
 mod svg;

@@ -11,6 +11,7 @@ pub mod menu;
 pub mod notice;
 pub mod offer;
 pub mod plots;
+pub mod port;
 pub mod question;
 pub mod runs;
 pub mod scene;

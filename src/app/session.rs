@@ -14,6 +14,7 @@ pub mod pareto;
 pub mod pin;
 pub mod place;
 pub mod plots;
+pub mod port;
 pub mod purpose;
 pub mod run;
 pub mod settings;
@@ -64,6 +65,8 @@ pub struct Session {
     pub comparison: Comparison,
     /// What is found out aside.
     pub asides: Asides,
+    /// The port that is looked at.
+    pub port: port::Port,
     /// The injector that waits for a click to be placed.
     pub placing: Option<usize>,
     /// What is to be said, until it is dismissed.
@@ -82,6 +85,7 @@ impl Session {
             sight: Sight::default(),
             comparison: Comparison::default(),
             asides: Asides::default(),
+            port: port::Port::default(),
             placing: None,
             notice: None,
             messages: Vec::new(),

@@ -11,6 +11,7 @@ use crate::app::panels::question::Answer;
 use crate::app::session::ask::{Ask, Asks, Next};
 use crate::app::session::command::Command;
 use crate::app::session::purpose::Purpose;
+use crate::app::session::view::Workspace;
 
 impl Lab {
     /// Grants all that was asked for, in order.
@@ -43,6 +44,7 @@ impl Lab {
             Ask::Choose(purpose) => self.dialog.ask(purpose, None),
             Ask::Leave(next) => self.ask_to_lose(next, ctx),
             Ask::Say(text) => session.say(text),
+            Ask::Port(port) => session.port = *port,
             Ask::Dismiss => session.notice = None,
             Ask::SeekTruth(true) => session.asides.truth.try_again(),
             Ask::SeekTruth(false) => session.asides.truth.give_up(),
@@ -88,6 +90,7 @@ impl Lab {
             },
             Purpose::Injector(i) => self.session.injector_file(i, path),
             Purpose::Occluder(i) => self.session.occluder_file(i, path),
+            Purpose::Dump => self.session.add_dump(path),
         }
     }
 
@@ -98,6 +101,9 @@ impl Lab {
             let path = file.path();
             match path.extension().and_then(|ending| ending.to_str()) {
                 Some("ron") => self.ask_to_lose(Next::Open(path.to_path_buf()), ctx),
+                Some("csv" | "npy") if self.session.settings.workspace == Workspace::Study => {
+                    self.session.add_dump(path)
+                }
                 Some("csv" | "npy") => self.session.injector_file(self.session.document.preset.injectors.len(), path),
                 _ => {
                     let right = "drop a preset (.ron) or a file of cells (.csv, .npy)";

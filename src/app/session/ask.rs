@@ -7,6 +7,7 @@ use super::command::Command;
 use super::comparison::Comparison;
 use super::curves::Curves;
 use super::plots::Plots;
+use super::port::Port;
 use super::purpose::Purpose;
 use super::sight::SpaceLook;
 use super::view::View;
@@ -48,6 +49,8 @@ pub enum Ask {
     Leave(Next),
     /// Say this.
     Say(String),
+    /// The port that is looked at.
+    Port(Box<Port>),
     /// Dismiss what is said.
     Dismiss,
     /// Give up what truly arrives, or begin again.
