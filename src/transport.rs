@@ -1,6 +1,7 @@
 //! Every way light travels, as siblings: the schemes of the [`lattice`] that send two bands of spherical
 //! harmonics from cell to cell, and [`ordinates`] that keep their direction.
 
+pub mod descent;
 pub mod lattice;
 pub mod ordinates;
 pub mod team;

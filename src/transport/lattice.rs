@@ -3,6 +3,7 @@
 
 pub mod active;
 pub mod barrier;
+pub mod exact;
 pub mod face;
 pub mod geometry;
 pub mod kernel;

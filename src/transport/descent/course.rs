@@ -1,0 +1,261 @@
+//! A descent under way: its stages, the source of each, and the iterations on them.
+
+use super::partition::{self, Tiling};
+use super::sample::{self, Inside};
+use crate::field::{Cell, Grid, Levels, Marks, Octree};
+use crate::scene::propagation::Snapshots;
+use crate::sh::{Real, Sh};
+use crate::transport::lattice::exact::decay::Decay;
+use crate::transport::lattice::exact::filter;
+use crate::transport::lattice::exact::leaves::{Leaves, Way};
+use crate::transport::lattice::kernel::form::{Form, Share};
+use crate::transport::lattice::kernel::{Instructions, Level, Order, step};
+
+/// A descent under way.
+#[derive(Clone, Debug)]
+pub struct Descent<T> {
+    sizes: Levels,
+    tiling: Tiling,
+    form: Form<T>,
+    share: Share<f64>,
+    decay: Decay,
+    snapshots: Snapshots,
+    /// The leaves of every stage, the coarsest first; none before light was taken up.
+    stages: Vec<Leaves<T>>,
+    stage: usize,
+    channels: Vec<Channel<T>>,
+}
+
+/// One channel's light.
+#[derive(Clone, Debug)]
+struct Channel<T> {
+    /// S, as it was taken up.
+    taken: Vec<(Cell, Sh<T>)>,
+    /// What of S counts, and the mean of it in coarser cells, by level and in the order of memory.
+    injected: Vec<Vec<(usize, Sh<T>)>>,
+    /// q, filtered to every level.
+    moved: Octree<T>,
+}
+
+/// One channel's grids, as a descent fills them.
+#[derive(Debug)]
+pub struct Grids<'a, T> {
+    /// The last correction of B.
+    pub source: &'a mut Octree<T>,
+    /// The one before it.
+    pub target: &'a mut Octree<T>,
+    /// S + B.
+    pub accumulated: &'a mut Octree<T>,
+}
+
+impl<T: Real> Descent<T> {
+    /// A descent over the levels of `sizes` by a scheme in both its forms: `form` takes the first step, `share` is what
+    /// one finest step sends to a neighbour after that. Of the `snapshots` it is the sum of all that counts: S + B, or
+    /// S + 2·B where the first iteration sends the light twice, or B alone.
+    pub fn new(sizes: Levels, tiling: Tiling, form: Form<T>, share: Share<f64>, snapshots: Snapshots) -> Self {
+        let decay = Decay::of(&share);
+        Descent { sizes, tiling, form, share, decay, snapshots, stages: Vec::new(), stage: 0, channels: Vec::new() }
+    }
+
+    /// Takes up the light that level 0 of each channel holds, as injected.
+    pub fn take_up(&mut self, injected: &[&Grid<T>]) {
+        let n = self.sizes.finest();
+        let lit = |grid: &&Grid<T>| {
+            let mut lit = Marks::new(n);
+            lit.mark_lit(*grid);
+            lit
+        };
+        let lit: Vec<Marks> = injected.iter().map(lit).collect();
+        let mut any = Marks::new(n);
+        for lit in &lit {
+            any.words_mut().iter_mut().zip(lit.words()).for_each(|(any, lit)| *any |= lit);
+        }
+        let stages = partition::stages(self.sizes, self.tiling, &any);
+        self.stages = stages.into_iter().map(|marks| Leaves::new(&self.share, Way::Ahead, marks)).collect();
+        self.channels = injected.iter().zip(lit).map(|(grid, lit)| self.channel(grid, lit)).collect();
+        self.stage = 0;
+    }
+
+    fn channel(&self, light: &Grid<T>, lit: Marks) -> Channel<T> {
+        let mut moved = Octree::new(self.sizes);
+        let mut injected: Vec<Vec<(usize, Sh<T>)>> = Vec::new();
+        let at = |grid: &Grid<T>, marks: &Marks| {
+            let layout = grid.layout();
+            filter::cells(marks).map(|cell| (layout.index(cell), grid.get(cell))).collect()
+        };
+        injected.push(at(light, &lit));
+        // The octree of q serves for the means of S before q is there.
+        let mut marks = lit.clone();
+        for i in 1..self.sizes.count() {
+            let (finer, coarser) = moved.levels_mut().split_at_mut(i);
+            let from = if i == 1 { light } else { &finer[i - 1] };
+            for cell in filter::cells(&marks) {
+                coarser[0].add(cell.map(|c| c / 2), from.get(cell) * T::of(0.125));
+            }
+            marks = marks.parents();
+            injected.push(at(&coarser[0], &marks));
+        }
+        moved.clear();
+
+        let mut reached = Marks::new(self.sizes.finest());
+        let order = Order {
+            form: self.form,
+            linear: false,
+            drop_dark: false,
+            cone: None,
+            energy: false,
+            instructions: Instructions::Best,
+        };
+        let mut level = Level {
+            source: &mut light.clone(),
+            source_lit: &mut lit.clone(),
+            target: moved.level_mut(0),
+            target_lit: &mut Marks::new(self.sizes.finest()),
+            sum: None,
+            marks: &mut reached,
+        };
+        step::step(&order, &mut level, 1, None);
+        if self.snapshots == Snapshots::CopyFirst {
+            moved.level_mut(0).scale(T::of(2.0));
+        }
+        for i in 1..self.sizes.count() {
+            let (finer, coarser) = moved.levels_mut().split_at_mut(i);
+            filter::hand_over(&self.decay, 1 << i, &finer[i - 1], &reached, &mut coarser[0]);
+            reached = Marks::new(coarser[0].side());
+            reached.mark_lit(&coarser[0]);
+        }
+        if self.snapshots == Snapshots::WithoutInjected {
+            injected.iter_mut().for_each(Vec::clear);
+        }
+        Channel { taken: filter::cells(&lit).map(|cell| (cell, light.get(cell))).collect(), injected, moved }
+    }
+
+    /// Adds to `light` what was taken up from a channel.
+    pub fn put_back(&self, channel: usize, light: &mut Grid<T>) {
+        let taken = self.channels.get(channel).map(|channel| channel.taken.iter());
+        taken.into_iter().flatten().for_each(|(cell, value)| light.add(*cell, *value));
+    }
+
+    /// Whether light was taken up.
+    pub fn is_under_way(&self) -> bool {
+        !self.stages.is_empty()
+    }
+
+    /// Forgets all light.
+    pub fn clear(&mut self) {
+        (self.stages, self.channels, self.stage) = (Vec::new(), Vec::new(), 0);
+    }
+
+    /// The stage it is at, from 0 for the coarsest level.
+    pub fn stage(&self) -> usize {
+        self.stage
+    }
+
+    /// The level of the finest leaves of this stage.
+    pub fn level(&self) -> usize {
+        self.sizes.count() - 1 - self.stage
+    }
+
+    /// The leaves of this stage; `None` before light was taken up.
+    pub fn leaves(&self) -> Option<&Leaves<T>> {
+        self.stages.get(self.stage)
+    }
+
+    /// Goes on to the next finer level, if there is one. [`Self::enter`] follows, for every channel.
+    pub fn descend(&mut self) {
+        self.stage = (self.stage + 1).min(self.sizes.count() - 1);
+    }
+
+    /// The first iteration of this stage for a channel: starts from what the stage before has found.
+    pub fn enter(&self, channel: usize, grids: &mut Grids<'_, T>) {
+        let (Some(leaves), Some(Channel { injected, moved, .. })) = (self.leaves(), self.channels.get(channel)) else {
+            return;
+        };
+        let j = self.level();
+        match self.stage.checked_sub(1) {
+            None => {
+                let Grids { source, target, accumulated } = grids;
+                [source, target, accumulated].into_iter().for_each(|octree| octree.clear());
+            }
+            Some(before) => {
+                let before = &self.stages[before];
+                before.clear(grids.source);
+                before.clear(grids.target);
+                self.hand_down(channel, before, grids.accumulated);
+            }
+        }
+        // a is B so far: what P makes of it, and the source, less B itself is the correction.
+        leaves.copy(grids.accumulated, grids.source);
+        leaves.apply(grids.source, grids.target);
+        leaves.add_source(j, moved.level(j), grids.target.level_mut(j));
+        leaves.subtract(grids.source, grids.target);
+        self.take(leaves, grids);
+        let level = grids.accumulated.level_mut(j);
+        let mut planes = level.planes_mut();
+        for (at, light) in &injected[j] {
+            planes.iter_mut().zip(light.0).for_each(|(plane, c)| plane[*at] += c);
+        }
+    }
+
+    /// Another iteration of this stage for a channel.
+    pub fn iterate(&self, grids: &mut Grids<'_, T>) {
+        let Some(leaves) = self.leaves() else { return };
+        leaves.apply(grids.source, grids.target);
+        self.take(leaves, grids);
+    }
+
+    fn take(&self, leaves: &Leaves<T>, grids: &mut Grids<'_, T>) {
+        leaves.add(grids.target, grids.accumulated);
+        std::mem::swap(grids.source, grids.target);
+    }
+
+    /// Starts the leaves of this stage's level from those they were split off.
+    fn hand_down(&self, channel: usize, before: &Leaves<T>, accumulated: &mut Octree<T>) {
+        let j = self.level();
+        let split = before.marks(j + 1);
+        let (finer, coarser) = accumulated.levels_mut().split_at_mut(j + 1);
+        let light = |i: usize, cell: Cell| self.moved_light(channel, &coarser[i - j - 1], i, cell);
+        let stays = self.leaves().map(|leaves| leaves.marks(j + 1));
+        for cell in filter::cells(split).filter(|cell| stays.is_none_or(|stays| !stays.get(*cell))) {
+            let value = light(j + 1, cell);
+            for (child, weight) in sample::children(before, &light, (j + 1, cell)) {
+                finer[j].set(child, value * T::of(weight));
+            }
+        }
+    }
+
+    /// B in a leaf: what was accumulated there, less what was injected.
+    fn moved_light(&self, channel: usize, accumulated: &Grid<T>, i: usize, cell: Cell) -> Sh<T> {
+        let at = accumulated.layout().index(cell);
+        let injected = &self.channels[channel].injected[i];
+        match injected.binary_search_by_key(&at, |(at, _)| *at) {
+            Ok(found) => accumulated.at(at) - injected[found].1,
+            Err(_) => accumulated.at(at),
+        }
+    }
+
+    /// Stores the accumulated light of a channel in every finest cell: B as the leaves hold it `inside`, and S where it
+    /// was injected.
+    pub fn sample(&self, channel: usize, inside: Inside, accumulated: &Octree<T>, merged: &mut Grid<T>) {
+        let (Some(leaves), Some(found)) = (self.leaves(), self.channels.get(channel)) else {
+            merged.clear();
+            return;
+        };
+        let light = |i: usize, cell: Cell| self.moved_light(channel, accumulated.level(i), i, cell);
+        sample::merge(leaves, inside, &light, merged);
+        let mut planes = merged.planes_mut();
+        for (at, light) in &found.injected[0] {
+            planes.iter_mut().zip(light.0).for_each(|(plane, c)| plane[*at] += c);
+        }
+    }
+
+    /// Bytes of memory that it holds beside the grids.
+    pub fn bytes(&self) -> usize {
+        let channel = |channel: &Channel<T>| {
+            let injected: usize = channel.injected.iter().map(Vec::capacity).sum();
+            let taken = channel.taken.capacity() * size_of::<(Cell, Sh<T>)>();
+            channel.moved.bytes() + injected * size_of::<(usize, Sh<T>)>() + taken
+        };
+        self.stages.iter().map(Leaves::bytes).sum::<usize>() + self.channels.iter().map(channel).sum::<usize>()
+    }
+}
