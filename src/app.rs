@@ -3,60 +3,25 @@
 //! `lab` holds the state and obeys `command`s, `layout` draws it, and `worker` computes on a thread
 //! of its own, so that the window never waits for a volume.
 
-mod axis;
-mod closing;
-mod command;
-mod compare;
-mod controls;
-mod critical;
-mod cut;
-mod document;
-mod drops;
-mod errand;
-mod errors;
-mod export;
+mod draw;
 mod files;
-mod format;
 pub mod frame_cost;
-mod glyphs;
-mod grids;
-mod history;
-mod home;
-mod inspect;
-mod inspector;
 mod lab;
-mod layout;
-mod legend;
-mod line;
 mod logic;
-mod look;
-mod menu;
-mod mesh;
-mod pareto;
+mod panels;
 mod perform;
-mod plots;
-mod recovery;
-mod settings;
-mod space;
-mod sprites;
-mod stage;
-mod style;
-mod timeline;
-mod toolbar;
-mod track;
-mod truth;
-mod view;
+mod session;
 mod worker;
 
 use std::path::PathBuf;
 
-pub use command::Command;
-pub use errors::Run;
-pub use home::Home;
+pub use files::home::Home;
 pub use lab::Lab;
-pub use look::{Cloud, Layer, Light, Shown};
-pub use settings::Settings;
-pub use view::{Heat, Scaling, Stage, View};
+pub use panels::errors::Run;
+pub use session::command::Command;
+pub use session::settings::Settings;
+pub use session::view::{Heat, Scaling, Stage, View};
+pub use worker::look::{Cloud, Layer, Light, Shown};
 
 use crate::scene::Preset;
 

@@ -110,8 +110,8 @@ impl From<crate::simulation::Divergence> for CliError {
     }
 }
 
-impl From<crate::simulation::SimulationError> for CliError {
-    fn from(error: crate::simulation::SimulationError) -> Self {
+impl From<crate::simulation::Refusal> for CliError {
+    fn from(error: crate::simulation::Refusal) -> Self {
         CliError::Input(error.to_string())
     }
 }

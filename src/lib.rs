@@ -4,14 +4,15 @@
 //!
 //! | floor | module | what lives there |
 //! |---|---|---|
-//! | 8 | `app`, [`cli`] | the window; the headless commands |
-//! | 7 | [`report`] | glyphs, pictures, plots, tables |
-//! | 6 | [`study`] | questions put to simulations: errors, references, comparisons, benchmarks |
+//! | 9 | `app`, [`cli`] | the window; the headless commands |
+//! | 8 | [`report`] | glyphs, pictures, plots, tables |
+//! | 7 | [`study`] | questions put to simulations: errors, references, comparisons, benchmarks |
 //! | 5 | [`simulation`] | the stepper: clear, inject, downsample, propagate once, merge |
-//! | 4 | [`scene`] | the preset document, injectors, occluders, cell files |
-//! | 3 | [`propagate`] | what a propagator is, the registry, the loops |
+//! | 4 | [`transport`] | every way light travels: the schemes of the lattice, ordinates, straight lines |
+//! | 3 | [`scene`] | the preset document, injectors, occluders, cell files, and the problem they end in |
 //! | 2 | [`field`] | grids, octrees, the index volume |
 //! | 1 | [`sh`] | two-band spherical harmonics |
+//! | 0 | [`system`] | memory that is free |
 #![forbid(unsafe_code)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used))]
 

@@ -1,7 +1,9 @@
-//! The scene: what a preset asks for, resolved to cells. The simulation takes it from here.
+//! From the document that people write to a [`Problem`]: what it asks for, resolved to cells. Transports take it
+//! from here.
 //!
-//! [`preset`] is the document that people write and the window edits; [`Scene::build`] checks it, reads the
-//! files it names and lists the light and the occupied cells.
+//! [`preset`] is the document that people write and the window edits; [`Problem::build`] checks it, reads the
+//! files it names and lists the light and the occupied cells. Which names of schemes there are is known a floor
+//! above: [`crate::transport::preset`] reads presets and checks those too.
 
 pub mod builtin;
 pub mod cell_file;
@@ -9,7 +11,6 @@ pub mod error;
 pub mod file;
 pub mod injector;
 pub mod occluder;
-pub mod ordinates;
 pub mod preset;
 pub mod propagation;
 
@@ -29,17 +30,18 @@ pub use preset::Preset;
 pub use propagation::Propagation;
 pub use solids::Solid;
 
-use crate::field::Cell;
-use crate::sh::Sh;
-use error::{Problem, Step};
+use crate::field::{Cell, Channels, Grid, Marks};
+use crate::sh::{Real, Sh};
+use error::{Fault, Step};
+use occluder::{Accumulate, OcclusionMode};
 
 /// The most cells that injectors and occluders of one scene may hold together, overlaps counted: half of a
 /// 256³ volume. It bounds what building a scene costs (under 1.5 GiB), whatever a preset asks for.
 pub const MOST_CELLS: usize = 1 << 23;
 
-/// All that a simulation needs to know.
+/// All that a transport needs to know. Simulations share it and never change it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Scene {
+pub struct Problem {
     /// Cells along a side of the volume, n: a power of two.
     pub size: usize,
     /// The side of the coarsest level: a power of two, at most `size`.
@@ -63,9 +65,9 @@ pub struct Source {
     pub light: Vec<(Cell, Sh<f64>)>,
 }
 
-impl Scene {
+impl Problem {
     /// Resolves a preset; files are looked for in `folder`, the preset's own.
-    pub fn build(preset: &Preset, folder: &Path) -> Result<Scene, SceneError> {
+    pub fn build(preset: &Preset, folder: &Path) -> Result<Problem, SceneError> {
         preset.check()?;
         let mut left = MOST_CELLS;
         let mut sources = Vec::new();
@@ -82,7 +84,7 @@ impl Scene {
                     .map_err(|error| error.within(Step::Item(i)).within(Step::Field("occluders")))?;
             filled.extend(cells);
         }
-        Ok(Scene {
+        Ok(Problem {
             size: preset.size,
             coarsest: preset.coarsest,
             sources,
@@ -109,13 +111,42 @@ impl Scene {
         nearest.unwrap_or(middle)
     }
 
-    /// Reads a preset from a file and resolves it; errors tell the place in the file.
-    pub fn load(path: &Path) -> Result<(Preset, Scene), SceneError> {
-        let text = file::read_text(path, preset::LONGEST)?;
-        let preset = Preset::parse(&text, path)?;
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let scene = Scene::build(&preset, folder).map_err(|error| error.at_its_place(&text, path))?;
-        Ok((preset, scene))
+    /// Whether anything stands in light's way.
+    pub fn has_occluders(&self) -> bool {
+        self.occlusion.mode != OcclusionMode::Off && !self.solids.is_empty()
+    }
+
+    /// The fewest channels that carry its light: one a colour where a surface may tint the light.
+    pub fn channels(&self) -> Channels {
+        let tints = |[red, green, blue]: [f64; 3]| red != green || green != blue;
+        if self.has_occluders() && self.solids.iter().any(|solid| tints(solid.albedo)) {
+            return Channels::separate();
+        }
+        let colors: Vec<[f64; 3]> = self.sources.iter().map(|source| source.color).collect();
+        Channels::of_colors(&colors)
+    }
+
+    /// The light that is injected into the finest cells, by channel.
+    pub fn injected<T: Real>(&self, channels: &Channels) -> Vec<Grid<T>> {
+        let channel = |channel: usize| {
+            let mut grid = Grid::new(self.size);
+            for source in &self.sources {
+                let weight = channels.weight(channel, source.color);
+                source.light.iter().for_each(|(cell, light)| grid.add(*cell, (*light * weight).cast()));
+            }
+            grid
+        };
+        (0..channels.count()).map(channel).collect()
+    }
+
+    /// The cells of level `level` (0 the finest) that accumulate light; `None` where all do.
+    pub fn accumulating(&self, level: usize) -> Option<Marks> {
+        if self.occlusion.accumulate == Accumulate::Everywhere {
+            return None;
+        }
+        let mut occupied = Marks::new(self.size >> level);
+        self.solids.iter().for_each(|solid| occupied.set(solid.cell.map(|c| c >> level)));
+        Some(occupied)
     }
 }
 
@@ -127,7 +158,7 @@ fn take<T>(
 ) -> Result<Vec<T>, SceneError> {
     if known > *left {
         let what = format!("with this the scene holds more than {MOST_CELLS} cells of light and occluders");
-        return Err(Problem::new(what, "use fewer or smaller ones, or a smaller volume").into());
+        return Err(Fault::new(what, "use fewer or smaller ones, or a smaller volume").into());
     }
     let cells = list(*left)?;
     *left -= cells.len().min(*left);
@@ -143,17 +174,17 @@ mod tests {
     use super::*;
 
     /// The scene of one injector in a volume of side 8.
-    fn lit_by(injector: Injector) -> Scene {
+    fn lit_by(injector: Injector) -> Problem {
         let preset = Preset { size: 8, injectors: vec![injector], ..Preset::default() };
-        Scene::build(&preset, Path::new("")).unwrap()
+        Problem::build(&preset, Path::new("")).unwrap()
     }
 
     #[test]
     fn a_wall_lights_its_side_and_sends_inwards() {
         for (i, side) in Side::ALL.into_iter().enumerate() {
-            let scene = lit_by(Injector::new(InjectorKind::Wall { side }));
+            let problem = lit_by(Injector::new(InjectorKind::Wall { side }));
             let (axis, at, sign) = (i / 2, [0, 7][i % 2], [1.0, -1.0][i % 2]);
-            let light = &scene.sources[0].light;
+            let light = &problem.sources[0].light;
             assert_eq!(light.len(), 64);
             assert!(light.iter().all(|(cell, _)| cell[axis] == at), "{side:?}");
             let lobe = Sh::lobe(DVec3::AXES[axis] * sign);
@@ -164,15 +195,15 @@ mod tests {
     #[test]
     fn direction_is_normalised_the_multiplier_applied_and_the_colour_kept_apart() {
         for length in [1e-300, 5.0, 1e300] {
-            let scene = lit_by(Injector {
+            let problem = lit_by(Injector {
                 direction: Some([0.0, -0.6 * length, 0.8 * length]),
                 multiplier: 2.5,
                 color: [0.1, 0.2, 0.3],
                 ..Injector::new(InjectorKind::Single { cell: [1, 2, 3] })
             });
-            let [(cell, sh)] = scene.sources[0].light[..] else { panic!("one cell") };
+            let [(cell, sh)] = problem.sources[0].light[..] else { panic!("one cell") };
             let expected = Sh::<f64>::lobe(DVec3::new(0.0, -0.6, 0.8)) * 2.5;
-            assert_eq!((cell, scene.sources[0].color), ([1, 2, 3], [0.1, 0.2, 0.3]));
+            assert_eq!((cell, problem.sources[0].color), ([1, 2, 3], [0.1, 0.2, 0.3]));
             assert!((sh - expected).max_norm() < 1e-14, "{sh:?} {expected:?}");
         }
     }
@@ -187,15 +218,15 @@ mod tests {
             occluders: vec![off],
             ..Preset::default()
         };
-        let scene = Scene::build(&preset, Path::new("")).unwrap();
-        assert_eq!((scene.sources.len(), scene.sources[0].light.len(), scene.solids.len()), (1, 12, 0));
+        let problem = Problem::build(&preset, Path::new("")).unwrap();
+        assert_eq!((problem.sources.len(), problem.sources[0].light.len(), problem.solids.len()), (1, 12, 0));
     }
 
     #[test]
     fn a_scene_of_too_many_cells_is_refused_before_they_are_listed() {
         let all = OccluderKind::Box { from: [0; 3], to: [1023; 3] };
         let preset = Preset { size: 1024, occluders: vec![Occluder::new(all)], ..Preset::default() };
-        let error = Scene::build(&preset, Path::new("")).unwrap_err().to_string();
+        let error = Problem::build(&preset, Path::new("")).unwrap_err().to_string();
         assert!(error.starts_with("occluders[0]: ") && error.contains("8388608 cells"), "{error}");
     }
 }

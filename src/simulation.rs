@@ -21,18 +21,18 @@ mod advance;
 mod ceiling;
 mod descent;
 mod engine;
-mod error;
 mod occlusion;
 pub mod options;
 mod radiance;
 
 use std::fmt;
+use std::sync::Arc;
 
 use ceiling::Ceiling;
 pub use ceiling::{Divergence, limit};
 
 use crate::field::{Channels, Grid, IndexVolume, Levels, Marks, Octree, memory};
-use crate::scene::Scene;
+use crate::scene::Problem;
 use crate::scene::propagation::Policy;
 use crate::scene::propagation::{Propagation, Snapshots};
 use crate::sh::Real;
@@ -42,9 +42,9 @@ use crate::transport::lattice::levels;
 use crate::transport::lattice::scheme::Scheme;
 use crate::transport::lattice::stencil::Stencil;
 
+pub use crate::transport::Refusal;
+use crate::transport::{refuse_what_does_not_fit, scheme_of};
 use engine::Engine;
-use error::refuse_what_does_not_fit;
-pub use error::{SimulationError, known_scheme, scheme_of};
 use occlusion::Obstacles;
 use options::Options;
 use radiance::Radiance;
@@ -111,7 +111,7 @@ pub struct Light<T> {
 /// A scene on its way through the iterations, in single or double precision.
 #[derive(Clone, Debug)]
 pub struct Simulation<T> {
-    scene: Scene,
+    problem: Arc<Problem>,
     sizes: Levels,
     channels: Channels,
     stencils: Vec<Stencil<T>>,
@@ -131,38 +131,39 @@ pub struct Simulation<T> {
 }
 
 impl<T: Real> Simulation<T> {
-    /// A dark simulation of `scene`.
-    pub fn new(scene: Scene) -> Result<Self, SimulationError> {
-        Self::with_options(scene, Options::default())
+    /// A dark simulation of `problem`.
+    pub fn new(problem: impl Into<Arc<Problem>>) -> Result<Self, Refusal> {
+        Self::with_options(problem, Options::default())
     }
 
-    /// A dark simulation of `scene` that carries its iterations out as `options` say.
-    pub fn with_options(scene: Scene, options: Options) -> Result<Self, SimulationError> {
-        let sizes = Levels::new(scene.size, scene.coarsest)
-            .ok_or(SimulationError::Sizes { size: scene.size, coarsest: scene.coarsest })?;
-        let scheme = scheme_of(&scene.propagation)?;
-        let (stencils, residences) = operators(scheme.as_ref(), &scene.propagation, sizes)?;
-        let channels = if options.skip.channels { occlusion::channels(&scene) } else { Channels::separate() };
-        let under_way = |size: usize| Radiance::bytes(&scene.propagation, size, channels.count());
+    /// A dark simulation of `problem` that carries its iterations out as `options` say.
+    pub fn with_options(problem: impl Into<Arc<Problem>>, options: Options) -> Result<Self, Refusal> {
+        let problem = problem.into();
+        let sizes = Levels::new(problem.size, problem.coarsest)
+            .ok_or(Refusal::Sizes { size: problem.size, coarsest: problem.coarsest })?;
+        let scheme = scheme_of(&problem.propagation)?;
+        let (stencils, residences) = operators(scheme.as_ref(), &problem.propagation, sizes)?;
+        let channels = if options.skip.channels { problem.channels() } else { Channels::separate() };
+        let under_way = |size: usize| Radiance::bytes(&problem.propagation, size, channels.count());
         refuse_what_does_not_fit(sizes.finest(), |size| {
             memory::of_simulation::<T>(sizes.with_finest(size), channels.count()) + under_way(size)
         })?;
-        let obstacles = scheme.and_then(|scheme| Obstacles::new(&scene, sizes, &scheme));
-        let accumulating = occlusion::accumulating(&scene, sizes);
-        let ceiling = Ceiling::new(&stencils, scene.occlusion.bounce);
+        let obstacles = scheme.and_then(|scheme| Obstacles::new(&problem, sizes, &scheme));
+        let accumulating = occlusion::accumulating(&problem, sizes);
+        let ceiling = Ceiling::new(&stencils, problem.occlusion.bounce);
         let engine = Engine::new(&stencils, options);
         let dark = || Octree::new(sizes);
         let light = || Light { source: dark(), target: dark(), accumulated: dark(), merged: None };
         let lights = (0..channels.count()).map(|_| light()).collect();
         let mut index = IndexVolume::new(sizes);
         occlusion::mark_shut(obstacles.as_ref(), &mut index);
-        let radiance = Radiance::new(&scene, &channels);
+        let radiance = Radiance::new(&problem, &channels);
         if radiance.is_some() {
             Radiance::mark(&mut index);
         }
         let divergence = None;
         Ok(Simulation {
-            scene,
+            problem,
             sizes,
             channels,
             stencils,
@@ -179,9 +180,9 @@ impl<T: Real> Simulation<T> {
         })
     }
 
-    /// The scene that is simulated.
-    pub fn scene(&self) -> &Scene {
-        &self.scene
+    /// The problem that is simulated.
+    pub fn problem(&self) -> &Arc<Problem> {
+        &self.problem
     }
 
     /// The sizes of the levels.
@@ -215,21 +216,21 @@ impl<T: Real> Simulation<T> {
     }
 
     /// Takes other settings for the iterations to come; the light stays as it is.
-    pub fn set_propagation(&mut self, propagation: Propagation) -> Result<(), SimulationError> {
+    pub fn set_propagation(&mut self, propagation: Propagation) -> Result<(), Refusal> {
         let scheme = scheme_of(&propagation)?;
-        if propagation.ordinates != self.scene.propagation.ordinates
-            || propagation.scheme != self.scene.propagation.scheme
+        if propagation.ordinates != self.problem.propagation.ordinates
+            || propagation.scheme != self.problem.propagation.scheme
         {
             let under_way = |size: usize| Radiance::bytes(&propagation, size, self.channels.count());
             refuse_what_does_not_fit(self.sizes.finest(), under_way)?;
         }
         (self.stencils, self.residences) = operators(scheme.as_ref(), &propagation, self.sizes)?;
         self.engine.set_stencils(&self.stencils);
-        if propagation.scheme != self.scene.propagation.scheme {
-            self.obstacles = scheme.and_then(|scheme| Obstacles::new(&self.scene, self.sizes, &scheme));
+        if propagation.scheme != self.problem.propagation.scheme {
+            self.obstacles = scheme.and_then(|scheme| Obstacles::new(&self.problem, self.sizes, &scheme));
         }
-        self.ceiling = Ceiling::new(&self.stencils, self.scene.occlusion.bounce);
-        self.scene.propagation = propagation;
+        self.ceiling = Ceiling::new(&self.stencils, self.problem.occlusion.bounce);
+        Arc::make_mut(&mut self.problem).propagation = propagation;
         self.set_radiance();
         Ok(())
     }
@@ -290,7 +291,7 @@ impl<T: Real> Simulation<T> {
             self.act(action);
         }
         let mut go_on = watch(self);
-        while go_on && self.iteration < self.scene.propagation.iterations && !self.is_done() {
+        while go_on && self.iteration < self.problem.propagation.iterations && !self.is_done() {
             self.act(Action::Propagate);
             if self.divergence.is_some() {
                 break;
@@ -332,10 +333,10 @@ impl<T: Real> Simulation<T> {
 
     /// Whether the accumulated light changed with the source.
     fn inject(&mut self) -> bool {
-        let accumulate = self.scene.propagation.snapshots == Snapshots::Thesis;
+        let accumulate = self.problem.propagation.snapshots == Snapshots::Thesis;
         // Cells may hold light of several entries: nothing is brighter than all of it together.
         let mut most = vec![0.0; self.lights.len()];
-        for source in &self.scene.sources {
+        for source in &self.problem.sources {
             if let Some(radiance) = &mut self.radiance {
                 radiance.inject(source, &self.channels);
             }
@@ -359,7 +360,7 @@ impl<T: Real> Simulation<T> {
     }
 
     fn downsample(&mut self) {
-        let hands_down = self.scene.propagation.levels == Policy::Consistent && self.radiance.is_none();
+        let hands_down = self.problem.propagation.levels == Policy::Consistent && self.radiance.is_none();
         if hands_down {
             self.hand_down();
             self.ceiling.forget(1);
@@ -415,7 +416,7 @@ fn operators<T: Real>(
     scheme: Option<&Scheme>,
     propagation: &Propagation,
     sizes: Levels,
-) -> Result<Operators<T>, SimulationError> {
+) -> Result<Operators<T>, Refusal> {
     let Some(scheme) = scheme else { return Ok((Vec::new(), Vec::new())) };
     let Propagation { factor, clamp, levels, .. } = *propagation;
     let operators = levels::operators(scheme, factor, clamp, levels, sizes.count())?;

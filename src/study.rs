@@ -3,10 +3,10 @@
 pub mod ballistic;
 pub mod benchmark;
 pub mod compare;
-pub mod converged;
 pub mod error;
 pub mod pareto;
 pub mod profile;
+pub mod race;
 pub mod random;
 pub mod reference;
 pub mod stability;

@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use lpv_lab::field::{Cell, Grid};
 use lpv_lab::scene::cell_file::{self, Column};
-use lpv_lab::scene::{Preset, Scene};
+use lpv_lab::scene::{Preset, Problem};
 use lpv_lab::sh::Sh;
+use lpv_lab::transport::preset;
 use npyz::WriterBuilder;
 use proptest::prelude::*;
 use tempfile::TempDir;
@@ -229,17 +230,17 @@ proptest! {
 }
 
 /// The scene of a preset of side 4 with these lists, beside a file `cells.csv`.
-fn scene_with(cells: &str, lists: &str) -> Result<Scene, String> {
+fn scene_with(cells: &str, lists: &str) -> Result<Problem, String> {
     let (folder, _cells) = file("cells.csv", cells.as_bytes());
     let preset = Preset::parse(&format!("(version: 1, size: 4, {lists})"), Path::new("p.ron")).expect("a preset");
-    Scene::build(&preset, folder.path()).map_err(|error| error.to_string())
+    Problem::build(&preset, folder.path()).map_err(|error| error.to_string())
 }
 
 #[test]
 fn a_file_injector_brings_its_light_and_takes_the_multiplier() {
     let lists = "injectors: [(kind: File(path: \"cells.csv\"), multiplier: 2.0, color: (1, 0, 0))]";
-    let scene = scene_with("x,y,z,c0,c1,c2,c3\n1,2,3,1,2,3,4\n", lists).expect("a scene");
-    assert_eq!(scene.sources[0].light, [([1, 2, 3], Sh::from_basis([2.0, 4.0, 6.0, 8.0]))]);
+    let problem = scene_with("x,y,z,c0,c1,c2,c3\n1,2,3,1,2,3,4\n", lists).expect("a scene");
+    assert_eq!(problem.sources[0].light, [([1, 2, 3], Sh::from_basis([2.0, 4.0, 6.0, 8.0]))]);
     let bright = scene_with("x,y,z,c0,c1,c2,c3\n1,2,3,1e30,2,3,4\n", lists).expect_err("too bright");
     assert!(bright.starts_with("injectors[0].multiplier: "), "{bright}");
 }
@@ -271,8 +272,8 @@ fn an_occluder_file_may_bring_normals_and_opacity() {
 #[test]
 fn the_ring_that_comes_with_the_program_is_what_its_preset_says() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("presets/from-file.ron");
-    let (_, scene) = Scene::load(&path).expect("a scene");
-    let light = &scene.sources[0].light;
+    let (_, problem) = preset::load(&path).expect("a scene");
+    let light = &problem.sources[0].light;
     for (cell, sh) in light {
         let [x, z] = [cell[0], cell[2]].map(|c| c as f64 + 0.5 - 16.0);
         let lobe = Sh::<f64>::lobe(DVec3::new(-x, 0.0, -z).normalize());

@@ -5,13 +5,13 @@ use assert_cmd::Command;
 use glam::DVec3;
 use lpv_lab::field::Layout;
 use lpv_lab::scene::occluder::OcclusionMode;
-use lpv_lab::scene::{Occlusion, Propagation, Scene, Solid, Source};
+use lpv_lab::scene::{Occlusion, Problem, Propagation, Solid, Source};
 use lpv_lab::sh::Sh;
 use lpv_lab::study::compare::{self, Finding, Reference};
 
 /// A lobe towards +X in the middle of a 32³ volume, p = 3.
-fn lobe(iterations: usize) -> Scene {
-    Scene {
+fn lobe(iterations: usize) -> Problem {
+    Problem {
         size: 32,
         coarsest: 1,
         sources: vec![Source { color: [1.0, 0.5, 0.0], light: vec![([16; 3], Sh::lobe(DVec3::X))] }],
@@ -22,10 +22,10 @@ fn lobe(iterations: usize) -> Scene {
 }
 
 /// A light before a closed wall.
-fn walled(mode: OcclusionMode) -> Scene {
+fn walled(mode: OcclusionMode) -> Problem {
     let wall = Layout::new(8).cells().filter(|cell| cell[0] == 4);
     let block = |cell| Solid { cell, normal: DVec3::NEG_X, opacity: 1.0, albedo: [0.0; 3] };
-    Scene {
+    Problem {
         size: 8,
         sources: vec![Source { color: [1.0; 3], light: vec![([1, 3, 3], Sh::lobe(DVec3::X))] }],
         solids: wall.map(block).collect(),
@@ -34,8 +34,8 @@ fn walled(mode: OcclusionMode) -> Scene {
     }
 }
 
-fn against_uniform(scene: &Scene, scheme: &str) -> Finding {
-    compare::run(scene, scheme, &Reference::Uniform.of(scene).unwrap()).unwrap()
+fn against_uniform(problem: &Problem, scheme: &str) -> Finding {
+    compare::run(problem, scheme, &Reference::Uniform.of(problem)).unwrap()
 }
 
 #[test]
@@ -64,17 +64,17 @@ fn one_iteration_moves_the_light_by_what_its_neighbours_receive() {
 fn an_octree_of_one_level_has_no_error_and_more_levels_have() {
     let octree = against_uniform(&lobe(4), "axial");
     assert!(octree.error.absolute_mean > 0.0);
-    let uniform = against_uniform(&Scene { coarsest: 32, ..lobe(4) }, "axial");
+    let uniform = against_uniform(&Problem { coarsest: 32, ..lobe(4) }, "axial");
     assert_eq!(uniform.error.absolute_max, 0.0);
 }
 
 #[test]
 fn no_scheme_comes_near_what_truly_arrives_from_one_lobe() {
     // MATH.md section 6: 0.99 to 1.04 for one lobe, n = 24, after the best scalar. No scalar gives 1.
-    let scene = lobe(32);
-    let truth = Reference::Ballistic.of(&scene).unwrap();
+    let problem = lobe(32);
+    let truth = Reference::Ballistic.of(&problem);
     for scheme in ["cascaded", "axial"] {
-        let found = compare::run(&scene, scheme, &truth).unwrap();
+        let found = compare::run(&problem, scheme, &truth).unwrap();
         assert!(found.l1_fitted > 0.9 && found.l1_fitted <= found.error.l1_ratio, "{scheme}: {}", found.l1_fitted);
     }
 }

@@ -4,23 +4,24 @@
 
 use std::path::Path;
 
-use lpv_lab::scene::Scene;
+use lpv_lab::scene::Problem;
 use lpv_lab::scene::propagation::Policy;
 use lpv_lab::simulation::Simulation;
 use lpv_lab::study::error::{self, ErrorRow};
 use lpv_lab::study::reference;
+use lpv_lab::transport::preset;
 
-fn preset(name: &str) -> Scene {
+fn preset(name: &str) -> Problem {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("presets").join(name);
-    Scene::load(&path).unwrap().1
+    preset::load(&path).unwrap().1
 }
 
-fn run(mut scene: Scene, levels: Policy, factor: f64, iterations: usize) -> Simulation<f32> {
-    scene.coarsest = 1;
-    scene.propagation.levels = levels;
-    scene.propagation.factor = factor;
-    scene.propagation.iterations = iterations;
-    let mut simulation = Simulation::new(scene).unwrap();
+fn run(mut problem: Problem, levels: Policy, factor: f64, iterations: usize) -> Simulation<f32> {
+    problem.coarsest = 1;
+    problem.propagation.levels = levels;
+    problem.propagation.factor = factor;
+    problem.propagation.iterations = iterations;
+    let mut simulation = Simulation::new(problem).unwrap();
     simulation.run(|_| true);
     simulation
 }
@@ -83,8 +84,8 @@ const OTHERS: [(&str, &str, f64); 5] = [
 fn consistent_levels_are_better_on_scenes_that_they_were_not_made_for() {
     for (name, text, factor) in OTHERS {
         let preset = lpv_lab::scene::Preset::parse(text, Path::new(name)).unwrap();
-        let scene = Scene::build(&preset, Path::new("")).unwrap();
-        let [same, consistent] = Policy::ALL.map(|p| run(scene.clone(), p, factor, until_converged(factor)));
+        let problem = Problem::build(&preset, Path::new("")).unwrap();
+        let [same, consistent] = Policy::ALL.map(|p| run(problem.clone(), p, factor, until_converged(factor)));
         for level in 1..=3 {
             let (before, after) = (corrected(&same, level), corrected(&consistent, level));
             assert!(after < before, "{name}, level {level}: {after} against {before}");
@@ -97,10 +98,10 @@ fn both_snapshot_modes_agree_on_what_coarser_levels_hold() {
     // All modes sum the same light with other weights: copy first = thesis + without injected.
     use lpv_lab::scene::propagation::Snapshots::{CopyFirst, Thesis, WithoutInjected};
     let [copy, thesis, without] = [CopyFirst, Thesis, WithoutInjected].map(|snapshots| {
-        let mut scene = preset("corner-lobe.ron");
-        scene.propagation.snapshots = snapshots;
-        scene.propagation.clamp = false;
-        run(scene, Policy::Consistent, 3.0, 60)
+        let mut problem = preset("corner-lobe.ron");
+        problem.propagation.snapshots = snapshots;
+        problem.propagation.clamp = false;
+        run(problem, Policy::Consistent, 3.0, 60)
     });
     for level in 0..copy.sizes().count() {
         let of = |s: &Simulation<f32>| s.lights()[0].accumulated.level(level).clone();

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 use lpv_lab::scene::Propagation;
-use lpv_lab::scene::{Occlusion, Scene, Source};
+use lpv_lab::scene::{Occlusion, Problem, Source};
 use lpv_lab::sh::Sh;
 use lpv_lab::simulation::Simulation;
 use lpv_lab::study::error;
@@ -13,7 +13,7 @@ fn one_lobe_gives_the_errors_of_figure_15() {
     // One lobe, n = 32, p = 3, levels down to 2³: (k, mean error, half a unit of the last digit printed).
     let relative = [(4, 0.069, 0.0005), (12, 0.59, 0.005), (20, 0.97, 0.005), (32, 0.98, 0.005)];
     let absolute = [(4, 7.8e-5, 0.05e-5), (12, 9.35e-5, 0.005e-5), (32, 9.43e-5, 0.005e-5)];
-    let scene = Scene {
+    let problem = Problem {
         size: 32,
         coarsest: 2,
         sources: vec![Source { color: [1.0; 3], light: vec![([16, 16, 16], Sh::lobe(DVec3::X))] }],
@@ -22,7 +22,7 @@ fn one_lobe_gives_the_errors_of_figure_15() {
         propagation: Propagation { iterations: 32, ..Propagation::default() },
     };
     let mut rows = Vec::new();
-    let mut simulation = Simulation::<f32>::new(scene).unwrap();
+    let mut simulation = Simulation::<f32>::new(problem).unwrap();
     simulation.run(|s| {
         rows.push(error::thesis(s)[0]);
         true

@@ -10,8 +10,8 @@ use std::time::Duration;
 
 use assert_cmd::Command;
 use lpv_lab::scene::preset::Preset;
-use lpv_lab::scene::{Scene, cell_file};
-use lpv_lab::simulation::{Simulation, SimulationError};
+use lpv_lab::scene::{Problem, cell_file};
+use lpv_lab::simulation::{Refusal, Simulation};
 use lpv_lab::system::memory;
 use tempfile::TempDir;
 
@@ -206,12 +206,12 @@ fn a_path_that_is_no_text_is_refused() {
 #[test]
 fn more_light_than_memory_is_refused_before_it_is_allocated() {
     let preset = Preset::parse("(version: 1, size: 1024)", Path::new("p.ron")).expect("a preset");
-    let scene = Scene::build(&preset, Path::new("")).expect("a scene");
+    let problem = Problem::build(&preset, Path::new("")).expect("a scene");
     let free = memory::free();
-    match Simulation::<f64>::new(scene) {
-        Err(SimulationError::Memory { size: 1024, needed, free, largest }) => {
+    match Simulation::<f64>::new(problem) {
+        Err(Refusal::Memory { size: 1024, needed, free, largest }) => {
             assert!(needed > free && needed > 100 << 30 && largest < 1024);
-            let line = SimulationError::Memory { size: 1024, needed, free, largest }.to_string();
+            let line = Refusal::Memory { size: 1024, needed, free, largest }.to_string();
             assert!(line.contains("GiB") && line.contains(&format!("fits is {largest}")), "{line}");
         }
         // A machine that does not tell, or one that has it all.

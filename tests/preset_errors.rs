@@ -8,11 +8,12 @@ mod unprivileged;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use lpv_lab::scene::{Preset, Scene};
+use lpv_lab::scene::Preset;
+use lpv_lab::transport::preset;
 
 /// Reads `text` as the file `p.ron` and gives the error's line.
 fn refusal(text: &str) -> String {
-    let line = Preset::parse(text, Path::new("p.ron")).expect_err(text).to_string();
+    let line = preset::parse(text, Path::new("p.ron")).expect_err(text).to_string();
     assert!(line.lines().count() == 1 && line.contains("; "), "one line with a remedy: {line}");
     line
 }
@@ -149,7 +150,7 @@ fn load_error(prepare: impl FnOnce(&Path)) -> String {
     fs::write(&preset, "(version: 1, size: 8, injectors: [\n  (kind: File(path: \"cells.csv\")),\n])")
         .expect("writable");
     prepare(&folder.path().join("cells.csv"));
-    let line = Scene::load(&preset).expect_err("a bad file").to_string();
+    let line = preset::load(&preset).expect_err("a bad file").to_string();
     assert_eq!(line.lines().count(), 1, "{line}");
     line.replace(&*folder.path().to_string_lossy(), "")
 }
@@ -219,10 +220,10 @@ fn every_preset_loads_says_what_to_look_for_and_lights_something() {
     for path in presets() {
         let text = fs::read_to_string(&path).expect("text");
         assert!((2..=4).contains(&text.lines().take_while(|line| line.starts_with("// ")).count()), "{path:?}");
-        let (preset, scene) = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
+        let (preset, problem) = preset::load(&path).unwrap_or_else(|error| panic!("{error}"));
         assert!(!preset.title.is_empty(), "{path:?}");
-        assert!(scene.sources.iter().any(|source| !source.light.is_empty()), "{path:?}");
-        assert_eq!(preset.occluders.is_empty(), scene.solids.is_empty(), "{path:?}");
+        assert!(problem.sources.iter().any(|source| !source.light.is_empty()), "{path:?}");
+        assert_eq!(preset.occluders.is_empty(), problem.solids.is_empty(), "{path:?}");
         assert_eq!(Preset::parse(&preset.to_ron(), &path).as_ref(), Ok(&preset), "{path:?}");
     }
 }

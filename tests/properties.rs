@@ -8,7 +8,7 @@ use cube::Symmetry;
 use glam::DVec3;
 use lpv_lab::field::{Cell, Grid};
 use lpv_lab::scene::propagation::{Propagation, Snapshots};
-use lpv_lab::scene::{Occlusion, Scene, Source};
+use lpv_lab::scene::{Occlusion, Problem, Source};
 use lpv_lab::sh::Sh;
 use lpv_lab::simulation::{Action, Simulation};
 use lpv_lab::transport::lattice::schemes;
@@ -17,8 +17,8 @@ use proptest::prelude::*;
 
 const N: usize = 8;
 
-fn scene(light: Vec<(Cell, Sh<f64>)>, propagation: Propagation) -> Scene {
-    Scene {
+fn problem(light: Vec<(Cell, Sh<f64>)>, propagation: Propagation) -> Problem {
+    Problem {
         size: N,
         coarsest: 1,
         sources: vec![Source { color: [1.0; 3], light }],
@@ -29,7 +29,7 @@ fn scene(light: Vec<(Cell, Sh<f64>)>, propagation: Propagation) -> Scene {
 }
 
 fn run(light: Vec<(Cell, Sh<f64>)>, propagation: Propagation) -> Simulation<f64> {
-    let mut simulation = Simulation::new(scene(light, propagation)).unwrap();
+    let mut simulation = Simulation::new(problem(light, propagation)).unwrap();
     simulation.run(|_| true);
     simulation
 }
@@ -93,7 +93,7 @@ proptest! {
         let snapshots = if copy_first { Snapshots::CopyFirst } else { Snapshots::Thesis };
         let propagation = Propagation { snapshots, ..settings(3.0, k, true) };
         let whole = run(light.clone(), propagation.clone());
-        let mut stepped = Simulation::<f64>::new(scene(light, propagation)).unwrap();
+        let mut stepped = Simulation::<f64>::new(problem(light, propagation)).unwrap();
         for action in [Action::Inject, Action::Downsample] {
             stepped.act(action);
         }
@@ -107,7 +107,7 @@ proptest! {
 
     #[test]
     fn the_index_volume_is_where_light_has_been_and_the_merge_samples_by_it(light in lobes(), k in 0usize..4) {
-        let mut simulation = Simulation::<f64>::new(scene(light, settings(3.0, k, true))).unwrap();
+        let mut simulation = Simulation::<f64>::new(problem(light, settings(3.0, k, true))).unwrap();
         let levels = simulation.sizes().count();
         // The definition, kept apart: every cell of every level that a snapshot has lit.
         let mut been: Vec<Grid<f64>> = simulation.sizes().sides().map(Grid::new).collect();
@@ -153,7 +153,7 @@ proptest! {
             DVec3::new(angle.cos() * (1.0 - z * z).sqrt(), angle.sin() * (1.0 - z * z).sqrt(), z)
         });
         let most = directions.map(gain).fold(0.0, f64::max) + 1e-3;
-        let mut simulation = Simulation::<f64>::new(scene(light, settings(4.0, 10, true))).unwrap();
+        let mut simulation = Simulation::<f64>::new(problem(light, settings(4.0, 10, true))).unwrap();
         let mut energies = Vec::new();
         simulation.run(|s| { energies.push(s.lights()[0].source.level(0).energy()); true });
         for (before, after) in energies.iter().zip(&energies[1..]) {
@@ -177,7 +177,7 @@ fn a_corner_light_needs_three_times_the_side_less_one_to_fill_the_volume() {
 #[test]
 fn every_action_tells_what_it_changed() {
     let light = vec![([4, 4, 4], Sh::lobe(DVec3::X))];
-    let mut simulation = Simulation::<f64>::new(scene(light, settings(3.0, 4, true))).unwrap();
+    let mut simulation = Simulation::<f64>::new(problem(light, settings(3.0, 4, true))).unwrap();
     let inject = simulation.act(Action::Inject);
     assert!(inject.source && inject.accumulated && !inject.target && !inject.merged);
     assert_eq!((inject.newly_lit, inject.iteration), (1, 0));

@@ -7,7 +7,7 @@ use cube::Symmetry;
 use glam::DVec3;
 use lpv_lab::field::{Cell, Grid, Layout};
 use lpv_lab::scene::occluder::{BlockingSign, OcclusionMode};
-use lpv_lab::scene::{Occlusion, Propagation, Scene, Solid, Source};
+use lpv_lab::scene::{Occlusion, Problem, Propagation, Solid, Source};
 use lpv_lab::sh::Sh;
 use lpv_lab::simulation::Simulation;
 use lpv_lab::transport::lattice::kernel::plain;
@@ -26,8 +26,8 @@ const FEW: u32 = 4;
 type Light = Vec<(Cell, Sh<f64>)>;
 
 /// A scene of white light.
-fn scene(scheme: &Scheme, light: Light, iterations: usize) -> Scene {
-    Scene {
+fn problem(scheme: &Scheme, light: Light, iterations: usize) -> Problem {
+    Problem {
         size: N,
         coarsest: 1,
         sources: vec![Source { color: [1.0; 3], light }],
@@ -37,8 +37,8 @@ fn scene(scheme: &Scheme, light: Light, iterations: usize) -> Scene {
     }
 }
 
-fn run(scene: Scene) -> Simulation<f64> {
-    let mut simulation = Simulation::new(scene).unwrap();
+fn run(problem: Problem) -> Simulation<f64> {
+    let mut simulation = Simulation::new(problem).unwrap();
     simulation.run(|_| true);
     simulation
 }
@@ -48,8 +48,8 @@ fn accumulated(simulation: &Simulation<f64>, level: usize) -> &Grid<f64> {
 }
 
 /// The energy of every snapshot on every level.
-fn energies(scene: Scene) -> Vec<Vec<f64>> {
-    let mut simulation = Simulation::<f64>::new(scene).unwrap();
+fn energies(problem: Problem) -> Vec<Vec<f64>> {
+    let mut simulation = Simulation::<f64>::new(problem).unwrap();
     let mut energies = Vec::new();
     simulation.run(|now| {
         energies.push(now.lights()[0].source.levels().iter().map(Grid::energy).collect());
@@ -114,8 +114,8 @@ fn equal_when_turned(symmetry: Symmetry, plain: &Grid<f64>, turned: &Grid<f64>) 
 }
 
 /// The scene as a symmetry turns it; blockers go from 0 to `last`.
-fn turn(scene: &Scene, symmetry: Symmetry, last: usize) -> Scene {
-    let mut turned = scene.clone();
+fn turn(problem: &Problem, symmetry: Symmetry, last: usize) -> Problem {
+    let mut turned = problem.clone();
     for (cell, light) in turned.sources.iter_mut().flat_map(|source| &mut source.light) {
         (*cell, *light) = (symmetry.cell(*cell, N - 1), symmetry.light(*light));
     }
@@ -128,10 +128,10 @@ fn turn(scene: &Scene, symmetry: Symmetry, last: usize) -> Scene {
 
 fn commutes_with_the_48_symmetries(scheme: &Scheme) {
     check(FEW, lobes(), |light| {
-        let scene = scene(scheme, light, 4);
-        let plain = run(scene.clone());
+        let problem = problem(scheme, light, 4);
+        let plain = run(problem.clone());
         for symmetry in Symmetry::all() {
-            let turned = run(turn(&scene, symmetry, N - 1));
+            let turned = run(turn(&problem, symmetry, N - 1));
             for level in 0..plain.sizes().count() {
                 let equal = equal_when_turned(symmetry, accumulated(&plain, level), accumulated(&turned, level));
                 prop_assert!(equal, "{symmetry:?}, level {level}");
@@ -148,10 +148,10 @@ fn commutes_with_the_48_symmetries_among_occluders(scheme: &Scheme) {
         let last = if between { N - 2 } else { N - 1 };
         check(FEW, (lobes(), solids(last, 0.5)), |(light, solids)| {
             let occlusion = Occlusion { mode, bounce: 0.7, ..Occlusion::default() };
-            let scene = Scene { solids, occlusion, ..scene(scheme, light, 4) };
-            let plain = run(scene.clone());
+            let problem = Problem { solids, occlusion, ..problem(scheme, light, 4) };
+            let plain = run(problem.clone());
             for symmetry in Symmetry::all() {
-                let turned = run(turn(&scene, symmetry, last));
+                let turned = run(turn(&problem, symmetry, last));
                 let equal = equal_when_turned(symmetry, accumulated(&plain, 0), accumulated(&turned, 0));
                 prop_assert!(equal, "{symmetry:?}, {mode:?}");
             }
@@ -166,9 +166,9 @@ fn adds_up_without_clamps(scheme: &Scheme) {
         let [a, b, both] = [a, b, both].map(|light| {
             // Hard occluders depend on where light is: to add up, all must start from the same cells.
             let occlusion = Occlusion { mode: OcclusionMode::Fuzzy, bounce: 0.5, ..occlusion };
-            let mut scene = Scene { solids: solids.clone(), occlusion, ..scene(scheme, light, 5) };
-            scene.propagation.clamp = false;
-            run(scene)
+            let mut problem = Problem { solids: solids.clone(), occlusion, ..problem(scheme, light, 5) };
+            problem.propagation.clamp = false;
+            run(problem)
         });
         for level in 0..both.sizes().count() {
             for (cell, light) in accumulated(&both, level).iter() {
@@ -190,7 +190,7 @@ fn the_mean_of_a_uniform_field_gains_what_is_documented(scheme: &Scheme) {
 
 fn no_cell_holds_less_than_no_light(scheme: &Scheme) {
     check(MANY, (lobes(), solids(N - 1, 0.5), occlusion()), |(light, solids, occlusion)| {
-        let simulation = run(Scene { solids, occlusion, ..scene(scheme, light, 6) });
+        let simulation = run(Problem { solids, occlusion, ..problem(scheme, light, 6) });
         let darkest = |grid: &Grid<f64>| grid.iter().map(|(_, light)| light.0[0]).fold(0.0, f64::min);
         for grid in simulation.lights()[0].accumulated.levels() {
             // The blog scheme's unclamped sides send negative light; its total stays positive.
@@ -208,7 +208,8 @@ fn no_occluder_adds_to_what_cells_send(scheme: &Scheme) {
     let stencil = Stencil::new(scheme, 3.0, true);
     check(MANY, (lobes(), solids(N - 1, 0.0), occlusion()), |(light, solids, occlusion)| {
         let mut sent: Vec<f64> = Vec::new();
-        let mut simulation = Simulation::<f64>::new(Scene { solids, occlusion, ..scene(scheme, light, 8) }).unwrap();
+        let mut simulation =
+            Simulation::<f64>::new(Problem { solids, occlusion, ..problem(scheme, light, 8) }).unwrap();
         let mut added = None;
         simulation.run(|now| {
             let levels = now.lights()[0].source.levels();
@@ -241,8 +242,8 @@ fn with_occluders_less_light_is_left(scheme: &Scheme) {
     // occluder that takes one away may turn the other from a border and so keep it in the volume a little longer.
     let slack = if scheme.faces.len() == 1 { 1e-3 } else { 1e-12 };
     check(MANY, (lobes(), solids(N - 1, 0.0), occlusion()), |(light, solids, occlusion)| {
-        let free = energies(scene(scheme, light.clone(), 8));
-        let occluded = energies(Scene { solids, occlusion, ..scene(scheme, light, 8) });
+        let free = energies(problem(scheme, light.clone(), 8));
+        let occluded = energies(Problem { solids, occlusion, ..problem(scheme, light, 8) });
         for (k, (free, occluded)) in free.iter().zip(&occluded).enumerate() {
             for (level, (free, occluded)) in free.iter().zip(occluded).enumerate() {
                 prop_assert!(*occluded <= free * (1.0 + slack), "k = {k}, level {level}: {occluded} > {free}");
@@ -260,12 +261,12 @@ fn behind_a_closed_hard_occluder_it_is_dark(scheme: &Scheme) {
         let shell = Layout::new(N).cells().filter(|cell| !inside(*cell, from) && !outside(*cell, from));
         let block = |cell| Solid { cell, normal: DVec3::ZERO, opacity: 1.0, albedo: [albedo; 3] };
         let lit = std::array::from_fn(|a| from[a] + at[a]);
-        let scene = Scene {
+        let problem = Problem {
             solids: shell.map(block).collect(),
             occlusion: Occlusion { mode: OcclusionMode::Hard, bounce: 1.0, ..Occlusion::default() },
-            ..scene(scheme, vec![(lit, Sh::lobe(d))], 24)
+            ..problem(scheme, vec![(lit, Sh::lobe(d))], 24)
         };
-        let simulation = run(scene);
+        let simulation = run(problem);
         let light = &simulation.lights()[0];
         for (cell, sample) in light.merged.as_ref().unwrap().iter() {
             prop_assert_eq!(sample.is_zero(), !inside(cell, from), "{:?}", cell);

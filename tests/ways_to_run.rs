@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use lpv_lab::field::{Cell, Grid};
-use lpv_lab::scene::Scene;
+use lpv_lab::scene::Problem;
 use lpv_lab::scene::occluder::{Accumulate, Occlusion, OcclusionMode};
 use lpv_lab::scene::propagation::Policy;
 use lpv_lab::scene::propagation::Snapshots;
@@ -13,6 +13,7 @@ use lpv_lab::sh::Sh;
 use lpv_lab::simulation::options::{Instructions, Kernel, Options, Skip, Wanted};
 use lpv_lab::simulation::{Action, Simulation};
 use lpv_lab::transport::lattice::schemes;
+use lpv_lab::transport::preset;
 
 const PRESETS: [&str; 7] = [
     "two-walls.ron",
@@ -24,20 +25,20 @@ const PRESETS: [&str; 7] = [
     "room-with-window.ron",
 ];
 
-fn preset(name: &str) -> Scene {
-    let mut scene = Scene::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("presets").join(name)).unwrap().1;
-    scene.propagation.iterations = scene.propagation.iterations.min(16);
-    scene
+fn preset(name: &str) -> Problem {
+    let mut problem = preset::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("presets").join(name)).unwrap().1;
+    problem.propagation.iterations = problem.propagation.iterations.min(16);
+    problem
 }
 
-fn stepped(scene: &Scene, options: Options) -> Simulation<f32> {
-    let mut simulation = Simulation::with_options(scene.clone(), options).unwrap();
+fn stepped(problem: &Problem, options: Options) -> Simulation<f32> {
+    let mut simulation = Simulation::with_options(problem.clone(), options).unwrap();
     simulation.run(|_| true);
     simulation
 }
 
-fn at_once(scene: &Scene, options: Options, wanted: Wanted) -> Simulation<f32> {
-    let mut simulation = Simulation::with_options(scene.clone(), options).unwrap();
+fn at_once(problem: &Problem, options: Options, wanted: Wanted) -> Simulation<f32> {
+    let mut simulation = Simulation::with_options(problem.clone(), options).unwrap();
     simulation.run_all(wanted);
     simulation
 }
@@ -75,11 +76,11 @@ fn on<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
 fn every_way_leaves_the_same_light_on_all_levels() {
     for name in PRESETS {
         for levels in Policy::ALL {
-            let mut scene = preset(name);
-            scene.propagation.levels = levels;
-            let straight = on(1, || stepped(&scene, STRAIGHT));
+            let mut problem = preset(name);
+            problem.propagation.levels = levels;
+            let straight = on(1, || stepped(&problem, STRAIGHT));
             for (threads, options) in ways() {
-                let both = || [stepped(&scene, options), at_once(&scene, options, Wanted::Everything)];
+                let both = || [stepped(&problem, options), at_once(&problem, options, Wanted::Everything)];
                 for found in on(threads, both) {
                     assert!(found.lights() == straight.lights(), "{name}, {threads} threads, {options:?}");
                     assert!(found.index() == straight.index(), "{name}, {threads} threads, {options:?}");
@@ -93,11 +94,11 @@ fn every_way_leaves_the_same_light_on_all_levels() {
 fn where_only_the_merged_light_is_wanted_it_is_the_same() {
     for name in PRESETS {
         for iterations in [1, 4, 16, 31] {
-            let mut scene = preset(name);
-            scene.propagation.iterations = iterations;
-            let straight = on(1, || stepped(&scene, STRAIGHT));
+            let mut problem = preset(name);
+            problem.propagation.iterations = iterations;
+            let straight = on(1, || stepped(&problem, STRAIGHT));
             for (threads, options) in ways() {
-                let found = on(threads, || at_once(&scene, options, Wanted::Merged));
+                let found = on(threads, || at_once(&problem, options, Wanted::Merged));
                 for (found, wanted) in found.lights().iter().zip(straight.lights()) {
                     assert!(found.merged == wanted.merged, "{name}, k = {iterations}, {threads} threads, {options:?}");
                 }
@@ -108,11 +109,11 @@ fn where_only_the_merged_light_is_wanted_it_is_the_same() {
 
 #[test]
 fn coarse_cells_that_no_sample_looks_at_are_left_out() {
-    let mut scene = preset("two-walls.ron");
-    scene.propagation.iterations = scene.size;
-    let visited = |wanted| at_once(&scene, Options::default(), wanted).work().visited;
+    let mut problem = preset("two-walls.ron");
+    problem.propagation.iterations = problem.size;
+    let visited = |wanted| at_once(&problem, Options::default(), wanted).work().visited;
     // Light from both walls has filled level 0 long before the end: no coarser level is sampled.
-    let finest = scene.size.pow(3) * scene.propagation.iterations;
+    let finest = problem.size.pow(3) * problem.propagation.iterations;
     assert!(visited(Wanted::Merged) <= finest);
     assert!(visited(Wanted::Merged) < visited(Wanted::Everything));
 }
@@ -124,14 +125,14 @@ fn among_all_kinds_of_occluders_the_fast_loops_give_what_the_definition_gives() 
             for (mode, bounce) in [(OcclusionMode::Fuzzy, 0.5), (OcclusionMode::Hard, 0.5)] {
                 for (levels, accumulate) in Policy::ALL.into_iter().zip([Accumulate::Everywhere, Accumulate::Occupied])
                 {
-                    let mut scene = preset(name);
-                    scene.occlusion = Occlusion { mode, bounce, accumulate, ..scene.occlusion };
-                    scene.propagation.scheme = scheme.to_owned();
-                    scene.propagation.levels = levels;
-                    scene.propagation.factor = 2.0;
-                    scene.propagation.iterations = 6;
-                    let plain = stepped(&scene, Options { kernel: Kernel::Plain, ..Options::default() });
-                    let fast = stepped(&scene, Options::default());
+                    let mut problem = preset(name);
+                    problem.occlusion = Occlusion { mode, bounce, accumulate, ..problem.occlusion };
+                    problem.propagation.scheme = scheme.to_owned();
+                    problem.propagation.levels = levels;
+                    problem.propagation.factor = 2.0;
+                    problem.propagation.iterations = 6;
+                    let plain = stepped(&problem, Options { kernel: Kernel::Plain, ..Options::default() });
+                    let fast = stepped(&problem, Options::default());
                     for (fast, plain) in fast.lights().iter().zip(plain.lights()) {
                         for (fast, plain) in fast.accumulated.levels().iter().zip(plain.accumulated.levels()) {
                             let found = difference(fast, plain);
@@ -147,13 +148,13 @@ fn among_all_kinds_of_occluders_the_fast_loops_give_what_the_definition_gives() 
 
 #[test]
 fn where_only_surfaces_accumulate_the_others_hold_nothing() {
-    let mut scene = preset("room-with-window.ron");
-    scene.propagation.scheme = "reflective".to_owned();
-    scene.propagation.iterations = 12;
-    let everywhere = stepped(&scene, Options::default());
-    scene.occlusion.accumulate = Accumulate::Occupied;
-    let surfaces = stepped(&scene, Options::default());
-    let occupied = |level: usize, cell: Cell| scene.solids.iter().any(|b| b.cell.map(|c| c >> level) == cell);
+    let mut problem = preset("room-with-window.ron");
+    problem.propagation.scheme = "reflective".to_owned();
+    problem.propagation.iterations = 12;
+    let everywhere = stepped(&problem, Options::default());
+    problem.occlusion.accumulate = Accumulate::Occupied;
+    let surfaces = stepped(&problem, Options::default());
+    let occupied = |level: usize, cell: Cell| problem.solids.iter().any(|b| b.cell.map(|c| c >> level) == cell);
     for (all, found) in everywhere.lights().iter().zip(surfaces.lights()) {
         assert!(all.source == found.source);
         // Coarser levels begin with the mean of what the finest has accumulated, so they differ there too.
@@ -179,10 +180,10 @@ fn difference(found: &Grid<f32>, wanted: &Grid<f32>) -> f32 {
 fn the_fast_loops_give_what_the_definition_gives() {
     for name in PRESETS {
         for snapshots in [Snapshots::Thesis, Snapshots::CopyFirst, Snapshots::WithoutInjected] {
-            let mut scene = preset(name);
-            scene.propagation.snapshots = snapshots;
-            let plain = stepped(&scene, Options { kernel: Kernel::Plain, ..Options::default() });
-            let fast = stepped(&scene, Options::default());
+            let mut problem = preset(name);
+            problem.propagation.snapshots = snapshots;
+            let plain = stepped(&problem, Options { kernel: Kernel::Plain, ..Options::default() });
+            let fast = stepped(&problem, Options::default());
             for (fast, plain) in fast.lights().iter().zip(plain.lights()) {
                 for (fast, plain) in fast.accumulated.levels().iter().zip(plain.accumulated.levels()) {
                     assert!(difference(fast, plain) < 3e-6, "{name}, {snapshots:?}");
@@ -194,9 +195,9 @@ fn the_fast_loops_give_what_the_definition_gives() {
 
 #[test]
 fn colours_carried_apart_are_the_multiples_that_sharing_makes_of_them() {
-    let scene = preset("two-walls.ron");
-    let apart = stepped(&scene, Options { skip: Skip { channels: false, ..Skip::default() }, ..Options::default() });
-    let shared = stepped(&scene, Options::default());
+    let problem = preset("two-walls.ron");
+    let apart = stepped(&problem, Options { skip: Skip { channels: false, ..Skip::default() }, ..Options::default() });
+    let shared = stepped(&problem, Options::default());
     assert!(apart.lights().len() == 3 && shared.lights().len() == 1);
     for (colour, share) in shared.channels().rgb().iter().enumerate() {
         assert_eq!(share.scale, 1.0, "the preset is white");
@@ -207,15 +208,15 @@ fn colours_carried_apart_are_the_multiples_that_sharing_makes_of_them() {
 #[test]
 fn a_run_that_stops_early_has_left_out_no_more_than_its_bound() {
     for (name, scheme) in [("two-walls.ron", "cascaded"), ("one-lobe.ron", "cascaded"), ("mixed.ron", "axial")] {
-        let mut scene = preset(name);
-        scene.propagation.scheme = scheme.to_owned();
-        scene.propagation.iterations = 400;
+        let mut problem = preset(name);
+        problem.propagation.scheme = scheme.to_owned();
+        problem.propagation.iterations = 400;
         for tolerance in [1e-1, 1e-3] {
             let options = Options { tolerance: Some(tolerance), ..Options::default() };
-            let early = at_once(&scene, options, Wanted::Everything);
+            let early = at_once(&problem, options, Wanted::Everything);
             let bound = early.still_to_come().unwrap();
             assert!(bound <= tolerance && early.iteration() < 400, "{name}: {bound} after {}", early.iteration());
-            let whole = at_once(&scene, Options::default(), Wanted::Everything);
+            let whole = at_once(&problem, Options::default(), Wanted::Everything);
             let mut missing = 0.0f64;
             for (early, whole) in early.lights().iter().zip(whole.lights()) {
                 for (early, whole) in early.accumulated.levels().iter().zip(whole.accumulated.levels()) {
@@ -225,7 +226,7 @@ fn a_run_that_stops_early_has_left_out_no_more_than_its_bound() {
             assert!(missing <= bound * 1.001, "{name}: {missing} of {bound}");
             assert!(missing > 0.0);
             // Stepping stops at the same iteration.
-            assert_eq!(stepped(&scene, options).iteration(), early.iteration());
+            assert_eq!(stepped(&problem, options).iteration(), early.iteration());
         }
     }
 }
@@ -255,11 +256,11 @@ fn actions_in_any_order_never_meet_stale_knowledge() {
 
 #[test]
 fn what_is_left_out_is_told_apart() {
-    let mut scene = preset("one-lobe.ron");
+    let mut problem = preset("one-lobe.ron");
     // So small a factor that light fades before it has reached everything.
-    scene.propagation.factor = 0.05;
-    scene.propagation.iterations = 60;
-    let count = |skip| stepped(&scene, Options { skip, ..Options::default() }).work();
+    problem.propagation.factor = 0.05;
+    problem.propagation.iterations = 60;
+    let count = |skip| stepped(&problem, Options { skip, ..Options::default() }).work();
     let (both, nothing) = (count(Skip::default()), count(Skip::NOTHING));
     let no_reach = count(Skip { reach: false, ..Skip::default() });
     let no_dark = count(Skip { dark: false, ..Skip::default() });

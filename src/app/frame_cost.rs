@@ -5,10 +5,10 @@ use std::time::{Duration, Instant};
 
 use egui::{Context, RawInput, Rect, Vec2};
 
-use super::command::Command;
-use super::lab::Lab;
-use super::settings::Settings;
-use super::view::Scaling;
+use crate::app::lab::Lab;
+use crate::app::session::command::Command;
+use crate::app::session::settings::Settings;
+use crate::app::session::view::Scaling;
 use crate::report::slice::SliceCell;
 use crate::scene::Preset;
 use crate::scene::injector::{Injector, InjectorKind, Side};

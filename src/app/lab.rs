@@ -6,29 +6,30 @@ use std::sync::Arc;
 
 use egui::Context;
 
-use super::closing::Next;
-use super::compare::{Comparison, Rival};
-use super::critical::Critical;
-use super::document::Document;
-use super::errors::Run;
-use super::files::Files;
-use super::glyphs::Scales;
-use super::grids::{Grids, Pointed};
-use super::home::Home;
-use super::line::Profiles;
-use super::look::{Cloud, Look, Pin, PinSample, Shown};
-use super::pareto::Pareto;
-use super::recovery::Recovery;
-use super::settings::Settings;
-use super::space::Space;
-use super::style;
-use super::truth::Truth;
-use super::view::View;
-use super::worker::{Load, Order, Progress, Start, Worker};
+use crate::app::draw::glyphs::Scales;
+use crate::app::draw::grids::{Grids, Pointed};
+use crate::app::draw::space::Space;
+use crate::app::draw::style;
+use crate::app::files::dialog::Files;
+use crate::app::files::home::Home;
+use crate::app::files::recovery::Recovery;
+use crate::app::panels::closing::Next;
+use crate::app::panels::compare::{Comparison, Rival};
+use crate::app::panels::errors::Run;
+use crate::app::panels::line::Profiles;
+use crate::app::panels::pareto::Pareto;
+use crate::app::session::critical::Critical;
+use crate::app::session::document::Document;
+use crate::app::session::settings::Settings;
+use crate::app::session::truth::Truth;
+use crate::app::session::view::View;
+use crate::app::worker::look::{Cloud, Look, Pin, PinSample, Shown};
+use crate::app::worker::{Load, Order, Progress, Start, Worker};
 use crate::field::Levels;
-use crate::scene::{Preset, Scene};
+use crate::scene::{Preset, Problem};
 use crate::simulation::Change;
 use crate::study::error::Metric;
+use crate::transport::preset;
 
 /// A line at the window's foot.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,7 +54,7 @@ pub struct Lab {
     /// What ran beside the preset's own propagator.
     pub(super) others: Vec<Rival>,
     /// The scene that runs, once the worker has it.
-    pub(super) scene: Option<Arc<Scene>>,
+    pub(super) problem: Option<Arc<Problem>>,
     pub(super) truth: Truth,
     pub(super) profiles: Profiles,
     pub(super) pareto: Pareto,
@@ -114,7 +115,7 @@ impl Lab {
             document: Document::new(preset, path),
             home: None,
             recovery: None,
-            scene: None,
+            problem: None,
             truth: Truth::default(),
             profiles: Profiles::default(),
             pareto: Pareto::default(),
@@ -227,13 +228,13 @@ impl Lab {
 
     /// Hands the document to the worker.
     pub(super) fn load(&mut self, start: Start) {
-        if let Err(problem) = self.document.preset.check() {
-            self.fail(problem.to_string());
+        if let Err(fault) = preset::check(&self.document.preset) {
+            self.fail(fault.to_string());
             return;
         }
         self.ran = self.document.preset.clone();
         self.others.clone_from(&self.comparison.others);
-        self.scene = None;
+        self.problem = None;
         let own = Rival::Propagator(self.document.preset.propagation.clone());
         let tracks = std::iter::once(&own).chain(&self.others).filter(|rival| rival.runs());
         let runs = tracks.zip(self.kept.len()..).map(|(rival, color)| Run::new(rival.describe(), color));
@@ -271,7 +272,7 @@ impl Lab {
 
     /// Opens a preset, or tells why it cannot be.
     pub fn open(&mut self, path: &Path) {
-        match Preset::load(path) {
+        match preset::read(path) {
             Ok(preset) => self.take(Document::new(preset, Some(path.to_path_buf()))),
             Err(error) => self.fail(error.to_string()),
         }

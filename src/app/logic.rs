@@ -5,16 +5,17 @@ use std::sync::Arc;
 
 use egui::Context;
 
-use super::closing::Next;
-use super::command::{self, Command};
-use super::errors::Tab;
-use super::files::Purpose;
-use super::lab::Lab;
-use super::look::{Against, CloudAsk, Light, Look, Of, Pane, State};
-use super::view::Stage;
-use super::worker::{News, Order};
+use crate::app::files::dialog::Purpose;
+use crate::app::lab::Lab;
+use crate::app::panels::closing::Next;
+use crate::app::panels::errors::Tab;
+use crate::app::session::command::{self, Command};
+use crate::app::session::view::Stage;
+use crate::app::worker::look::{Against, CloudAsk, Light, Look, Of, Pane, State};
+use crate::app::worker::{News, Order};
 use crate::simulation::Action;
 use crate::study::error::Metric;
+use crate::transport::preset;
 
 impl Lab {
     /// Everything that happens between frames: news, keys, play.
@@ -36,7 +37,7 @@ impl Lab {
             ctx.request_repaint_after_secs(0.25);
         }
         self.keep_unsaved(ctx, now);
-        if self.settings.rerun && self.is_stale() && self.is_idle() && self.document.preset.check().is_ok() {
+        if self.settings.rerun && self.is_stale() && self.is_idle() && preset::check(&self.document.preset).is_ok() {
             self.perform(Command::Rerun, ctx);
         }
         if let Some((purpose, path)) = self.files.chosen() {
@@ -82,9 +83,9 @@ impl Lab {
 
     fn hear(&mut self, news: News) {
         match news {
-            News::Loaded(scene) => {
-                self.truth.turn_to(&scene);
-                self.scene = Some(scene);
+            News::Loaded(problem) => {
+                self.truth.turn_to(&problem);
+                self.problem = Some(problem);
             }
             News::Measured { iteration, metric, errors, behind } => {
                 self.progress.behind = behind;

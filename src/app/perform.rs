@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 
 use egui::Context;
 
-use super::command::Command;
-use super::controls::Wish;
-use super::errors::Tab;
-use super::files::Purpose;
-use super::lab::Lab;
-use super::look::Layer;
-use super::view::Stage;
-use super::worker::{Order, Progress, Start};
+use crate::app::files::dialog::Purpose;
+use crate::app::lab::Lab;
+use crate::app::panels::controls::Wish;
+use crate::app::panels::errors::Tab;
+use crate::app::session::command::Command;
+use crate::app::session::view::Stage;
+use crate::app::worker::look::Layer;
+use crate::app::worker::{Order, Progress, Start};
 use crate::simulation::Action;
 
 impl Lab {
@@ -24,7 +24,7 @@ impl Lab {
             Command::Back | Command::First => self.seen() > self.progress.oldest,
             Command::Forward | Command::Last => self.at.is_some(),
             Command::Restart => self.at.is_some_and(|k| k < self.progress.iteration),
-            Command::Measure => self.scene.is_some() && !self.pareto.is_underway(),
+            Command::Measure => self.problem.is_some() && !self.pareto.is_underway(),
             Command::KeepRun => self.runs.iter().any(|run| !run.rows.is_empty()),
             _ => true,
         }

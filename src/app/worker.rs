@@ -6,21 +6,25 @@
 //! each, so that it can be watched and stopped; when the window goes, the thread ends by itself. A panic in
 //! here is caught and told, and the window lives on.
 
+pub mod cut;
 mod desk;
+pub mod history;
 mod ledger;
+pub mod look;
+pub mod track;
 
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-use super::compare::Rival;
-use super::look::{Cloud, Look, Pin, PinSample, Shown};
-use super::track::Measured;
-use crate::scene::{Preset, Scene};
+use crate::app::panels::compare::Rival;
+use crate::app::worker::look::{Cloud, Look, Pin, PinSample, Shown};
+use crate::app::worker::track::Measured;
+use crate::scene::{Preset, Problem};
 use crate::simulation::options::Work;
 use crate::simulation::{Action, Change};
-use crate::study::ballistic::Ballistic;
 use crate::study::error::Metric;
+use crate::transport::ballistic::Ballistic;
 
 /// What a newly loaded scene is to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,7 +116,7 @@ pub struct Progress {
 #[derive(Clone, Debug)]
 pub enum News {
     /// The scene that is run from now on.
-    Loaded(Arc<Scene>),
+    Loaded(Arc<Problem>),
     /// An action is done. What was measured of later iterations no longer holds, nor does what was measured of the
     /// present one if its light changed.
     Done {
@@ -191,7 +195,7 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::app::look::{Against, Layer, Light, Of, Pane, State};
+    use crate::app::worker::look::{Against, Layer, Light, Of, Pane, State};
     use crate::report::slice::Plane;
 
     fn load(size: usize, start: Start) -> Order {

@@ -12,7 +12,7 @@ use super::{CliError, SceneArgs};
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
 use crate::report::table::Table;
-use crate::scene::Scene;
+use crate::scene::Problem;
 use crate::study::benchmark::{self, BenchmarkError, Fading, KernelRow, Pipeline, THESIS_MILLISECONDS};
 use crate::study::pareto::made;
 use crate::transport::team;
@@ -110,11 +110,11 @@ fn without_none(sizes: &[usize]) -> Vec<usize> {
 }
 
 /// The scenes for time against error, with their names.
-fn scenes(args: &BenchArgs) -> Result<Vec<(String, Scene)>, CliError> {
+fn scenes(args: &BenchArgs) -> Result<Vec<(String, Problem)>, CliError> {
     if args.presets.is_empty() {
         let sizes = without_none(&args.pareto).into_iter();
         let made = sizes.flat_map(|size| made::scenes(size, args.factor.unwrap_or(3.0)));
-        return Ok(made.map(|(name, scene)| (name.to_owned(), scene)).collect());
+        return Ok(made.map(|(name, problem)| (name.to_owned(), problem)).collect());
     }
     let preset = |path: &PathBuf| {
         let scene_args = SceneArgs { preset: path.clone(), factor: args.factor, ..SceneArgs::default() };

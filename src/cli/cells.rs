@@ -74,8 +74,8 @@ pub enum ChannelArg {
 
 /// Does the command.
 pub fn run(args: &CellsArgs) -> Result<(), CliError> {
-    let (_, scene) = args.scene.load()?;
-    let mut simulation = Simulation::<f32>::new(scene)?;
+    let (_, problem) = args.scene.load()?;
+    let mut simulation = Simulation::<f32>::new(problem)?;
     args.level.check(simulation.sizes().count())?;
     simulation.run(|_| true);
     if let Some(divergence) = simulation.divergence() {

@@ -8,9 +8,9 @@ use clap::builder::PossibleValuesParser;
 use super::output::Folder;
 use super::{CliError, SceneArgs};
 use crate::report::table::{Table, Value};
-use crate::scene::Scene;
-use crate::simulation::known_scheme;
+use crate::scene::Problem;
 use crate::study::compare::{self, Finding, PATIENCE, Reference};
+use crate::transport::known_scheme;
 use crate::transport::lattice::schemes;
 use crate::transport::ordinates;
 
@@ -65,22 +65,22 @@ pub fn run(args: &CompareArgs) -> Result<(), CliError> {
             factor: args.factor,
             ..SceneArgs::default()
         };
-        let (document, scene) = scene_args.load()?;
+        let (document, problem) = scene_args.load()?;
         let gap = if i == 0 { "" } else { "\n" };
         println!(
             "{gap}{}: {}³, p = {}, k = {}, against {}",
             if document.title.is_empty() { scene_args.stem() } else { document.title },
-            scene.size,
-            scene.propagation.factor,
-            scene.propagation.iterations,
+            problem.size,
+            problem.propagation.factor,
+            problem.propagation.iterations,
             reference.name()
         );
-        let truth = reference.of(&scene)?;
+        let truth = reference.of(&problem);
         let mut table = Table::new(TEXT_COLUMNS);
         for name in &names {
-            let finding = compare::run(&scene, name, &truth)?;
+            let finding = compare::run(&problem, name, &truth)?;
             table.push(text_row(&finding));
-            csv.push(csv_row(&scene_args.stem(), &scene, reference, &finding));
+            csv.push(csv_row(&scene_args.stem(), &problem, reference, &finding));
         }
         print!("{}", table.to_text());
     }
@@ -151,16 +151,16 @@ const CSV_COLUMNS: [&str; 23] = [
     "ms_per_iteration",
 ];
 
-fn csv_row(preset: &str, scene: &Scene, reference: Reference, finding: &Finding) -> [Value; 23] {
+fn csv_row(preset: &str, problem: &Problem, reference: Reference, finding: &Finding) -> [Value; 23] {
     let [x, y, z] = finding.centroid;
     let error = finding.error;
     let empty = || Value::Text(String::new());
     [
         preset.into(),
         finding.scheme.as_str().into(),
-        scene.size.into(),
-        scene.propagation.factor.into(),
-        scene.propagation.iterations.into(),
+        problem.size.into(),
+        problem.propagation.factor.into(),
+        problem.propagation.iterations.into(),
         reference.name().into(),
         error.absolute_mean.into(),
         error.absolute_max.into(),

@@ -6,11 +6,12 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::CliError;
-use crate::scene::Scene;
+use crate::scene::Problem;
 use crate::simulation::Simulation;
-use crate::study::ballistic::{self, Ballistic};
+use crate::study::ballistic;
 use crate::study::error::{self, ErrorRow};
 use crate::study::reference;
+use crate::transport::ballistic::Ballistic;
 
 /// What a run was found to do.
 pub struct Course {
@@ -21,52 +22,48 @@ pub struct Course {
 }
 
 /// Computes what truly arrives in a scene, with a bar on a terminal.
-pub fn truth(scene: &Scene) -> Result<Ballistic, CliError> {
+pub fn truth(problem: &Problem) -> Result<Ballistic, CliError> {
     let bar = bar(1000, "{bar:40} {percent} % of the straight lines, {eta} left");
-    let truth = Ballistic::new(scene, &|done| {
+    let truth = Ballistic::new(problem, &|done| {
         bar.set_position((done * 1000.0) as u64);
         true
-    })?;
+    });
     bar.finish_and_clear();
     truth.ok_or_else(|| CliError::Failed("the straight lines were given up".to_owned()))
 }
 
 /// Runs the scene, printing a line for every iteration. Errors are those of the octree against itself and
 /// against the uniform volume, and against `truth` where it is given.
-pub fn run(simulation: &mut Simulation<f32>, truth: Option<&Ballistic>) -> Result<Course, CliError> {
-    let iterations = simulation.scene().propagation.iterations;
+pub fn run(simulation: &mut Simulation<f32>, truth: Option<&Ballistic>) -> Course {
+    let iterations = simulation.problem().propagation.iterations;
     let bar = bar(iterations as u64, "{bar:40} iteration {pos} of {len}, {eta} left");
     println!("{}", LINE_HEAD);
-    let (mut rows, mut aside, mut failed) = (Vec::new(), 0.0, None);
+    let (mut rows, mut aside) = (Vec::new(), 0.0);
     let started = Instant::now();
     simulation.run(|now| {
         let began = Instant::now();
-        match measure(now, truth) {
-            Ok(errors) => {
-                bar.suspend(|| println!("{}", line(now, &errors[0])));
-                rows.extend(errors);
-            }
-            Err(error) => failed = Some(error),
-        }
+        let errors = measure(now, truth);
+        bar.suspend(|| println!("{}", line(now, &errors[0])));
+        rows.extend(errors);
         bar.set_position(now.iteration() as u64);
         aside += began.elapsed().as_secs_f64();
-        failed.is_none()
+        true
     });
     bar.finish_and_clear();
     let seconds = started.elapsed().as_secs_f64() - aside;
-    failed.map_or(Ok(Course { rows, seconds }), Err)
+    Course { rows, seconds }
 }
 
 /// Every metric of the present iteration, the thesis's over all levels first.
-fn measure(now: &Simulation<f32>, truth: Option<&Ballistic>) -> Result<Vec<ErrorRow>, CliError> {
+fn measure(now: &Simulation<f32>, truth: Option<&Ballistic>) -> Vec<ErrorRow> {
     let uniform = reference::uniform(now);
     let mut rows = error::thesis(now);
     rows.extend(error::corrected(now, &uniform));
     rows.push(error::merged(now, &uniform));
     if let Some(truth) = truth {
-        rows.push(ballistic::error(now, truth)?);
+        rows.push(ballistic::error(now, truth));
     }
-    Ok(rows)
+    rows
 }
 
 const LINE_HEAD: &str = "iteration   energy left      abs mean       abs max      rel mean       rel max  undefined";

@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::CliError;
-use crate::scene::ordinates::Rule;
 use crate::scene::preset::LONGEST;
 use crate::scene::propagation::Policy;
-use crate::scene::{Preset, Scene, builtin, file};
+use crate::scene::propagation::ordinates::Rule;
+use crate::scene::{Preset, Problem, builtin, file};
+use crate::transport::preset;
 
 /// A preset and what is to be different from what it says.
 #[derive(Args, Debug, Clone, Default)]
@@ -43,7 +44,7 @@ pub struct SceneArgs {
 
 impl SceneArgs {
     /// The preset as changed by the other arguments, and the scene it makes.
-    pub fn load(&self) -> Result<(Preset, Scene), CliError> {
+    pub fn load(&self) -> Result<(Preset, Problem), CliError> {
         let Opened { mut preset, text, folder } = open(&self.preset)?;
         let propagation = &mut preset.propagation;
         if let Some(iterations) = self.iterations {
@@ -70,10 +71,10 @@ impl SceneArgs {
         if let Some(coarsest) = self.coarsest {
             preset.coarsest = coarsest;
         }
-        // What the file says was right when it was opened, so a problem here is the command line's.
-        preset.check().map_err(|problem| CliError::Input(format!("the command line: {problem}")))?;
-        let scene = Scene::build(&preset, &folder).map_err(|error| error.at_its_place(&text, &self.preset))?;
-        Ok((preset, scene))
+        // What the file says was right when it was opened, so a fault here is the command line's.
+        preset::check(&preset).map_err(|fault| CliError::Input(format!("the command line: {fault}")))?;
+        let problem = Problem::build(&preset, &folder).map_err(|error| error.at_its_place(&text, &self.preset))?;
+        Ok((preset, problem))
     }
 
     /// A name for what the preset makes: its file name without the ending.
@@ -105,11 +106,11 @@ pub struct Opened {
 /// Reads a preset from a file, or a built-in one by its name.
 pub fn open(path: &Path) -> Result<Opened, CliError> {
     if let Some(text) = path.to_str().and_then(builtin::find).filter(|_| !path.exists()) {
-        let preset = Preset::parse(text, path)?;
+        let preset = preset::parse(text, path)?;
         let folder = builtin::folder().map_err(|e| CliError::Failed(format!("the built-in presets' files: {e}")))?;
         return Ok(Opened { preset, text: text.to_owned(), folder });
     }
     let text = file::read_text(path, LONGEST)?;
-    let preset = Preset::parse(&text, path)?;
+    let preset = preset::parse(&text, path)?;
     Ok(Opened { preset, text, folder: path.parent().unwrap_or(Path::new("")).to_path_buf() })
 }

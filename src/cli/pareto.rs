@@ -9,7 +9,7 @@ use super::output::Folder;
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
 use crate::report::table;
-use crate::scene::Scene;
+use crate::scene::Problem;
 use crate::study::pareto::{self, Row};
 
 /// A propagation factor from the command line.
@@ -19,16 +19,16 @@ pub fn factor(text: &str) -> Result<f64, String> {
 }
 
 /// Measures every scene, prints what nothing beats, and writes the files.
-pub fn run(scenes: &[(String, Scene)], rounds: usize, folder: &Folder) -> Result<(), CliError> {
+pub fn run(scenes: &[(String, Problem)], rounds: usize, folder: &Folder) -> Result<(), CliError> {
     let terminal = std::io::stderr().is_terminal();
     let mut rows = Vec::new();
-    for (i, (name, scene)) in scenes.iter().enumerate() {
+    for (i, (name, problem)) in scenes.iter().enumerate() {
         let bar = if terminal { ProgressBar::new(1000) } else { ProgressBar::hidden() };
         if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {percent} %") {
             bar.set_style(style);
         }
-        bar.set_message(format!("{name}, n = {} ({} of {})", scene.size, i + 1, scenes.len()));
-        let measured = pareto::measure(name, scene, rounds, &|share| {
+        bar.set_message(format!("{name}, n = {} ({} of {})", problem.size, i + 1, scenes.len()));
+        let measured = pareto::measure(name, problem, rounds, &|share| {
             bar.set_position((1000.0 * share) as u64);
             true
         })?;

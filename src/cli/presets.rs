@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::CliError;
+use crate::scene::builtin;
 use crate::scene::file::write_whole;
-use crate::scene::{Preset, builtin};
+use crate::transport::preset;
 
 /// Where to write them, if anywhere.
 #[derive(Args, Debug)]
@@ -22,7 +23,7 @@ pub fn run(args: &PresetsArgs) -> Result<(), CliError> {
     let Some(folder) = &args.out else {
         let width = builtin::PRESETS.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
         for (name, text) in builtin::PRESETS {
-            let preset = Preset::parse(text, Path::new(name))?;
+            let preset = preset::parse(text, Path::new(name))?;
             println!("{name:width$}  {:>3}³  {}", preset.size, preset.title);
         }
         return Ok(());

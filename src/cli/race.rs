@@ -7,16 +7,16 @@ use indicatif::ProgressBar;
 use super::CliError;
 use super::output::Folder;
 use crate::report::table::Table;
-use crate::study::converged::Refusal;
-use crate::study::converged::race::{self, Plan};
+use crate::study::race::{self, Plan};
+use crate::transport::lattice::fixed_point::NoFixedPoint;
 
 /// The factors of `cascaded`: what the thesis uses, and NVIDIA's cascades.
 const FACTORS: [f64; 2] = [3.0, 3.8];
 /// The relative residual that both have to reach.
 const TOLERANCE: f64 = 1e-4;
 
-impl From<Refusal> for CliError {
-    fn from(refusal: Refusal) -> Self {
+impl From<NoFixedPoint> for CliError {
+    fn from(refusal: NoFixedPoint) -> Self {
         CliError::Failed(refusal.to_string())
     }
 }

@@ -182,16 +182,16 @@ struct Summary<'a> {
 
 /// Does the command.
 pub fn run(args: &RunArgs) -> Result<(), CliError> {
-    let (preset, scene) = args.scene.load()?;
-    let plane = plane(args.slice, scene.size, |axis| scene.brightest_slab(axis))?;
-    if let Some(warning) = outlook::warning(&scene) {
+    let (preset, problem) = args.scene.load()?;
+    let plane = plane(args.slice, problem.size, |axis| problem.brightest_slab(axis))?;
+    if let Some(warning) = outlook::warning(&problem) {
         eprintln!("lpv-lab: warning: {warning}");
     }
-    let mut simulation = Simulation::<f32>::with_options(scene, args.options()?)?;
+    let mut simulation = Simulation::<f32>::with_options(problem, args.options()?)?;
     LevelArg::Level(args.level).check(simulation.sizes().count())?;
     let folder = Folder::create(args.out())?;
-    let truth = if args.ballistic { Some(course::truth(simulation.scene())?) } else { None };
-    let Course { rows, seconds } = course::run(&mut simulation, truth.as_ref())?;
+    let truth = if args.ballistic { Some(course::truth(simulation.problem())?) } else { None };
+    let Course { rows, seconds } = course::run(&mut simulation, truth.as_ref());
 
     let title = if preset.title.is_empty() { args.scene.stem() } else { preset.title.clone() };
     folder.write_table("errors.csv", &table::errors(&rows))?;
@@ -211,7 +211,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         folder.write_svg_and_png(&name, &picture(args, &simulation, &title, view, plane))?;
     }
 
-    let propagation = &simulation.scene().propagation;
+    let propagation = &simulation.problem().propagation;
     let thesis = all_levels.iter().rev().find(|row| row.metric == Metric::Thesis);
     let summary = Summary {
         title: &title,
@@ -281,7 +281,7 @@ fn picture(args: &RunArgs, simulation: &Simulation<f32>, title: &str, view: Leve
     let names = [format!("Source, S_{k}"), target, "Accumulated, S_A".to_owned()];
     let decades = (args.glyphs == ScaleArg::Log).then_some(GLYPH_DECADES);
     let panels = names.iter().zip(&slices).map(|(name, slice)| Panel::fitted(name, slice, Hue::Mean, decades));
-    let propagation = &simulation.scene().propagation;
+    let propagation = &simulation.problem().propagation;
     let what = match view {
         LevelArg::Level(i) => format!("level {i}"),
         LevelArg::Merged => "all levels merged".to_owned(),

@@ -12,7 +12,7 @@ use super::{CliError, SceneArgs};
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
 use crate::report::table::{Table, Value};
-use crate::scene::Scene;
+use crate::scene::Problem;
 use crate::scene::propagation::Policy;
 use crate::study::stability::drift::{DriftRow, LongRun};
 use crate::study::stability::level::critical_of_octree;
@@ -133,18 +133,21 @@ fn save_findings(seed: u64, outcome: &Outcome, folder: &Path) -> Result<(), CliE
 }
 
 /// What becomes of every level of a scene.
-fn print_outlook(scene: &Scene) {
-    if scene.propagation.scheme == ordinates::NAME {
-        println!("ordinates have no critical factor: light leaves the volume within {} iterations", 3 * scene.size - 2);
+fn print_outlook(problem: &Problem) {
+    if problem.propagation.scheme == ordinates::NAME {
+        println!(
+            "ordinates have no critical factor: light leaves the volume within {} iterations",
+            3 * problem.size - 2
+        );
         return;
     }
     let mut table = Table::new(["level", "side", "critical factor", "growth an iteration", "overflow about iteration"]);
-    for level in outlook::levels(scene) {
+    for level in outlook::levels(problem) {
         let overflow = level.overflow.map_or("never".to_owned(), |k| k.to_string());
         let overflow = Value::Text(overflow);
         table.push([level.level.into(), level.side.into(), level.critical.into(), level.growth.into(), overflow]);
     }
-    let propagation = &scene.propagation;
+    let propagation = &problem.propagation;
     println!("{} at factor {}\n\n{}", propagation.scheme, propagation.factor, table.to_text());
 }
 

@@ -17,7 +17,7 @@ pub enum Step {
 /// be right. It knows no file, because the window checks documents that are in none.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}{what}; {remedy}", Prefix(steps))]
-pub struct Problem {
+pub struct Fault {
     /// The way from the document's root to the value.
     pub steps: Vec<Step>,
     /// What is wrong.
@@ -26,25 +26,25 @@ pub struct Problem {
     pub remedy: String,
 }
 
-impl Problem {
-    /// A problem at the root; [`Problem::within`] leads it to its place.
+impl Fault {
+    /// A fault at the root; [`Fault::within`] leads it to its place.
     pub fn new(what: impl AsRef<str>, remedy: impl AsRef<str>) -> Self {
-        Problem { steps: Vec::new(), what: one_line(what.as_ref()), remedy: one_line(remedy.as_ref()) }
+        Fault { steps: Vec::new(), what: one_line(what.as_ref()), remedy: one_line(remedy.as_ref()) }
     }
 
-    /// The same problem, seen from one step further up the document.
+    /// The same fault, seen from one step further up the document.
     pub fn within(mut self, step: Step) -> Self {
         self.steps.insert(0, step);
         self
     }
 
-    /// The same problem, in the field `name`.
+    /// The same fault, in the field `name`.
     pub fn field(self, name: &'static str) -> Self {
         self.within(Step::Field(name))
     }
 }
 
-/// The way to a problem as people write it, `injectors[2].kind.cell: `; nothing at the root.
+/// The way to a fault as people write it, `injectors[2].kind.cell: `; nothing at the root.
 struct Prefix<'a>(&'a [Step]);
 
 impl fmt::Display for Prefix<'_> {
@@ -86,7 +86,7 @@ pub enum SceneError {
     },
     /// A document that is in no file yet cannot be taken.
     #[error(transparent)]
-    Document(#[from] Problem),
+    Document(#[from] Fault),
 }
 
 impl SceneError {
@@ -103,7 +103,7 @@ impl SceneError {
     /// The same fault; a document's is seen from one step further up.
     pub fn within(self, step: Step) -> Self {
         match self {
-            SceneError::Document(problem) => SceneError::Document(problem.within(step)),
+            SceneError::Document(fault) => SceneError::Document(fault.within(step)),
             fault => fault,
         }
     }
@@ -198,9 +198,9 @@ mod tests {
     }
 
     #[test]
-    fn a_problem_tells_the_way_to_its_value() {
-        let problem = Problem::new("too far", "come back").field("cell").field("kind").within(Step::Item(2));
-        assert_eq!(problem.field("injectors").to_string(), "injectors[2].kind.cell: too far; come back");
-        assert_eq!(Problem::new("a", "b").to_string(), "a; b");
+    fn a_fault_tells_the_way_to_its_value() {
+        let fault = Fault::new("too far", "come back").field("cell").field("kind").within(Step::Item(2));
+        assert_eq!(fault.field("injectors").to_string(), "injectors[2].kind.cell: too far; come back");
+        assert_eq!(Fault::new("a", "b").to_string(), "a; b");
     }
 }

@@ -9,7 +9,7 @@ use std::process;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use super::error::{Problem, SceneError};
+use super::error::{Fault, SceneError};
 
 /// Opens a regular file of at most `limit` bytes; gives it with its length. Folders, pipes and devices
 /// are refused before they are opened, because opening a pipe waits for somebody to write.
@@ -45,18 +45,18 @@ pub fn read_text(path: &Path, limit: u64) -> Result<String, SceneError> {
 }
 
 /// Where a file lies that a preset in `folder` names; it must be there and readable.
-pub(super) fn inside(folder: &Path, path: &Path) -> Result<PathBuf, Problem> {
+pub(super) fn inside(folder: &Path, path: &Path) -> Result<PathBuf, Fault> {
     check_relative(path)?;
     let found = folder.join(path);
     regular(&found)
         .and_then(|_| File::open(&found).map_err(|error| explain(&error)))
-        .map_err(|(what, remedy)| Problem::new(format!("`{}`: {what}", found.display()), remedy))?;
+        .map_err(|(what, remedy)| Fault::new(format!("`{}`: {what}", found.display()), remedy))?;
     Ok(found)
 }
 
 /// Checks that a path stays in its preset's folder, so that a preset can be moved with its files and a
 /// stranger's preset opens nothing else.
-pub(super) fn check_relative(path: &Path) -> Result<(), Problem> {
+pub(super) fn check_relative(path: &Path) -> Result<(), Fault> {
     let remedy = "put the file beside the preset and give its path from there, such as `cells/ring.csv`";
     let mut depth = 0;
     for component in path.components() {
@@ -66,11 +66,11 @@ pub(super) fn check_relative(path: &Path) -> Result<(), Problem> {
             Component::ParentDir if depth > 0 => depth -= 1,
             Component::ParentDir | Component::RootDir | Component::Prefix(_) => {
                 let what = format!("`{}` leads out of the preset's folder", path.display());
-                return Err(Problem::new(what, remedy));
+                return Err(Fault::new(what, remedy));
             }
         }
     }
-    if depth == 0 { Err(Problem::new("the path names no file", remedy)) } else { Ok(()) }
+    if depth == 0 { Err(Fault::new("the path names no file", remedy)) } else { Ok(()) }
 }
 
 /// How old an unfinished file is before it counts as left behind by a program that was killed: none takes

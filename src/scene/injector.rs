@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::cell_file::{self, Column};
-use super::error::{Problem, SceneError};
+use super::error::{Fault, SceneError};
 use super::file;
 use super::propagation::not_negative;
 use super::region::{Region, check_cell};
@@ -118,7 +118,7 @@ impl Injector {
     }
 
     /// Whether it can be injected into a volume of side `size`; files are not opened.
-    pub(super) fn check(&self, size: usize) -> Result<(), Problem> {
+    pub(super) fn check(&self, size: usize) -> Result<(), Fault> {
         match &self.kind {
             InjectorKind::Wall { .. } => Ok(()),
             InjectorKind::Rectangle { from, to } => check_rectangle(*from, *to, size),
@@ -129,7 +129,7 @@ impl Injector {
         if let Some(direction) = self.direction {
             if matches!(self.kind, InjectorKind::File { .. }) {
                 let what = "a file brings its own light and takes no direction";
-                return Err(Problem::new(what, "leave direction out").field("direction"));
+                return Err(Fault::new(what, "leave direction out").field("direction"));
             }
             unit(direction, "direction").map_err(|p| p.field("direction"))?;
         }
@@ -179,35 +179,35 @@ impl Injector {
     }
 
     /// Whether light whose largest coefficient is `brightest` stays within [`BRIGHTEST`].
-    fn check_brightness(&self, brightest: f64) -> Result<(), Problem> {
+    fn check_brightness(&self, brightest: f64) -> Result<(), Fault> {
         let color = self.color.iter().fold(0.0, |m: f64, c| m.max(*c));
         if brightest * self.multiplier * color.max(1.0) <= BRIGHTEST {
             return Ok(());
         }
         let what = "the light is brighter than volumes in single precision can hold";
         let remedy = format!("keep light × multiplier × colour at {BRIGHTEST:e} or below");
-        Err(Problem::new(what, remedy).field("multiplier"))
+        Err(Fault::new(what, remedy).field("multiplier"))
     }
 }
 
-fn check_rectangle(from: Cell, to: Cell, size: usize) -> Result<(), Problem> {
+fn check_rectangle(from: Cell, to: Cell, size: usize) -> Result<(), Fault> {
     let region = Region::checked(from, to, size)?;
     if region.thinnest() > 1 {
         let what = format!("the rectangle is {} cells thick", region.thinnest());
-        return Err(Problem::new(what, "give `from` and `to` the same x, y or z").field("to"));
+        return Err(Fault::new(what, "give `from` and `to` the same x, y or z").field("to"));
     }
     Ok(())
 }
 
 /// The unit vector along `vector`, which must be finite and not zero; `what` names it.
-pub(super) fn unit(vector: [f64; 3], what: &str) -> Result<DVec3, Problem> {
+pub(super) fn unit(vector: [f64; 3], what: &str) -> Result<DVec3, Fault> {
     let vector = DVec3::from_array(vector);
     // The largest part first: squares of very long or very short vectors would overflow or vanish.
     let scaled = vector / vector.abs().max_element();
     scaled.try_normalize().ok_or_else(|| {
         let DVec3 { x, y, z } = vector;
         let fault = if vector.is_finite() { "has length zero" } else { "is not finite" };
-        Problem::new(format!("the {what} ({x}, {y}, {z}) {fault}"), "any other length will do, such as (1, 0, 0)")
+        Fault::new(format!("the {what} ({x}, {y}, {z}) {fault}"), "any other length will do, such as (1, 0, 0)")
     })
 }
 

@@ -18,7 +18,7 @@ use crate::sh::Sh;
 const LONGEST_HEADER: usize = 4096;
 
 /// A fault of a file: what is wrong and what would be right.
-type Fault = (String, String);
+type Broken = (String, String);
 
 /// The lit cells of a file, at most `most`, for a volume of side `size`: z slowest, x fastest.
 pub(super) fn read(path: &Path, size: usize, most: usize) -> Result<Vec<(Cell, Sh<f64>)>, SceneError> {
@@ -28,7 +28,7 @@ pub(super) fn read(path: &Path, size: usize, most: usize) -> Result<Vec<(Cell, S
         .map_err(|(what, remedy)| SceneError::file(path, None, what, remedy))
 }
 
-fn lit_cells(mut file: impl Read, length: u64, size: usize, most: usize) -> Result<Vec<(Cell, Sh<f64>)>, Fault> {
+fn lit_cells(mut file: impl Read, length: u64, size: usize, most: usize) -> Result<Vec<(Cell, Sh<f64>)>, Broken> {
     let (header, header_length) = header(&mut file)?;
     let number = Number::of(&header, size)?;
     let expected = header_length + size.pow(3) as u64 * 4 * number.width as u64;
@@ -60,7 +60,7 @@ fn lit_cells(mut file: impl Read, length: u64, size: usize, most: usize) -> Resu
 }
 
 /// The header's dictionary without blanks, and where the data begin.
-fn header(file: &mut impl Read) -> Result<(String, u64), Fault> {
+fn header(file: &mut impl Read) -> Result<(String, u64), Broken> {
     let none = || ("this is no .npy file".to_owned(), "numpy.save writes one".to_owned());
     let mut start = [0; 8];
     file.read_exact(&mut start).map_err(|_| none())?;
@@ -92,7 +92,7 @@ struct Number {
 
 impl Number {
     /// The form that a header names, if the header is that of light in a volume of side `size`.
-    fn of(header: &str, size: usize) -> Result<Self, Fault> {
+    fn of(header: &str, size: usize) -> Result<Self, Broken> {
         let missing = |key: &str| (format!("the header has no {key}"), "numpy.save writes it".to_owned());
         let shape = entry(header, "shape").ok_or_else(|| missing("shape"))?;
         if shape.replace(",)", ")") != format!("({size},{size},{size},4)") {
@@ -142,7 +142,7 @@ fn entry<'a>(dictionary: &'a str, key: &str) -> Option<&'a str> {
     Some(&rest[..end])
 }
 
-fn unreadable(error: io::Error) -> Fault {
+fn unreadable(error: io::Error) -> Broken {
     (error.to_string(), "check the file and its disk".to_owned())
 }
 

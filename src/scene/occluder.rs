@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::error::{Problem, SceneError};
+use super::error::{Fault, SceneError};
 use super::file;
 use super::injector::{is_one, is_yes, unit, yes};
 use super::occluder_file;
@@ -141,7 +141,7 @@ impl Default for Occlusion {
 }
 
 impl Occlusion {
-    pub(super) fn check(&self) -> Result<(), Problem> {
+    pub(super) fn check(&self) -> Result<(), Fault> {
         not_negative(self.amplifier, "the amplifier").map_err(|p| p.field("amplifier"))?;
         not_negative(self.bounce, "the bounce").map_err(|p| p.field("bounce"))
     }
@@ -167,7 +167,7 @@ impl Occluder {
     }
 
     /// Whether it can stand in a volume of side `size`; files are not opened.
-    pub(super) fn check(&self, size: usize) -> Result<(), Problem> {
+    pub(super) fn check(&self, size: usize) -> Result<(), Fault> {
         match &self.kind {
             OccluderKind::Box { from, to } => Region::checked(*from, *to, size).map(|_| ()),
             OccluderKind::Plane { at, .. } => check_plane(*at, size).map_err(|p| p.field("at")),
@@ -197,7 +197,7 @@ impl Occluder {
         let rows = occluder_file::read(&found, size, most)?;
         if normal.is_some() && rows.iter().any(|row| row.normal.is_some()) {
             let what = "the file brings its own normals";
-            return Err(Problem::new(what, "leave normal out here, or nx,ny,nz there").field("normal").into());
+            return Err(Fault::new(what, "leave normal out here, or nx,ny,nz there").field("normal").into());
         }
         let filled = |row: occluder_file::Row| Filled {
             normal: row.normal.or(normal),
@@ -217,19 +217,19 @@ impl Occluder {
     }
 }
 
-fn check_plane(at: usize, size: usize) -> Result<(), Problem> {
+fn check_plane(at: usize, size: usize) -> Result<(), Fault> {
     if at < size {
         return Ok(());
     }
-    Err(Problem::new(format!("the plane at {at} lies outside the volume"), format!("write 0 to {}", size - 1)))
+    Err(Fault::new(format!("the plane at {at} lies outside the volume"), format!("write 0 to {}", size - 1)))
 }
 
 /// Checks that a share is from 0 to 1; `what` names it.
-pub(super) fn check_share(share: f64, what: &str) -> Result<(), Problem> {
+pub(super) fn check_share(share: f64, what: &str) -> Result<(), Fault> {
     if (0.0..=1.0).contains(&share) {
         return Ok(());
     }
-    Err(Problem::new(format!("{what} is {share}"), "write a number from 0 to 1"))
+    Err(Fault::new(format!("{what} is {share}"), "write a number from 0 to 1"))
 }
 
 fn opaque() -> f64 {

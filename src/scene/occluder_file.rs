@@ -37,7 +37,7 @@ pub(super) fn read(path: &Path, size: usize, most: usize) -> Result<Vec<Row>, Sc
         let refused = |_| ("the normal has length zero".to_owned(), "any other length will do");
         let normal = normal.map(|n| unit(n, "normal")).transpose().map_err(refused)?;
         check_share(opacity, "the opacity")
-            .map_err(|problem| (problem.what, "write a number from 0 to 1"))
+            .map_err(|fault| (fault.what, "write a number from 0 to 1"))
             .map(|()| (normal, opacity))
     })?;
     Ok(rows.into_iter().map(|(cell, (normal, opacity))| Row { cell, normal, opacity }).collect())

@@ -6,19 +6,19 @@
 
 use std::path::Path;
 
-use super::error::{Place, Problem, SceneError, Step};
+use super::error::{Fault, Place, SceneError, Step};
 
-/// A problem of a document, placed in the text that it was read from.
-pub(super) fn at_its_place(problem: Problem, text: &str, name: &Path) -> SceneError {
-    let place = place_of(text, find(text, &problem.steps));
-    SceneError::file(name, place, problem.what, problem.remedy)
+/// A fault of a document, placed in the text that it was read from.
+pub(super) fn at_its_place(fault: Fault, text: &str, name: &Path) -> SceneError {
+    let place = place_of(text, find(text, &fault.steps));
+    SceneError::file(name, place, fault.what, fault.remedy)
 }
 
 impl SceneError {
     /// The same fault, placed in the text that the document was read from; `name` is the file that it names.
     pub fn at_its_place(self, text: &str, name: &Path) -> Self {
         match self {
-            SceneError::Document(problem) => at_its_place(problem, text, name),
+            SceneError::Document(fault) => at_its_place(fault, text, name),
             fault => fault,
         }
     }

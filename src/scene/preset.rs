@@ -7,7 +7,7 @@ use ron::extensions::Extensions;
 use ron::ser::PrettyConfig;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::error::{Problem, SceneError, Step};
+use super::error::{Fault, SceneError, Step};
 use super::injector::Injector;
 use super::occluder::{Occluder, Occlusion};
 use super::propagation::Propagation;
@@ -71,7 +71,7 @@ impl Preset {
         // Some editors begin a text with a byte order mark.
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let preset: Preset = dialect().from_str(text).map_err(|error| syntax::error(error, text, name))?;
-        preset.check().map_err(|problem| place::at_its_place(problem, text, name))?;
+        preset.check().map_err(|fault| place::at_its_place(fault, text, name))?;
         Ok(preset)
     }
 
@@ -95,7 +95,7 @@ impl Preset {
     }
 
     /// Whether every value is one that can be run; [`Preset::parse`] applies the same rules.
-    pub fn check(&self) -> Result<(), Problem> {
+    pub fn check(&self) -> Result<(), Fault> {
         if self.version != VERSION {
             return Err(wrong_version(self.version).field("version"));
         }
@@ -103,7 +103,7 @@ impl Preset {
         if !self.coarsest.is_power_of_two() || self.coarsest > self.size {
             let what = format!("the coarsest level cannot have side {}", self.coarsest);
             let remedy = format!("it is a power of two from 1 to {}", self.size);
-            return Err(Problem::new(what, remedy).field("coarsest"));
+            return Err(Fault::new(what, remedy).field("coarsest"));
         }
         for (i, injector) in self.injectors.iter().enumerate() {
             injector.check(self.size).map_err(|p| p.within(Step::Item(i)).field("injectors"))?;
@@ -128,11 +128,11 @@ fn known_version<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::E
     if version == VERSION { Ok(version) } else { Err(serde::de::Error::custom(wrong_version(version))) }
 }
 
-fn wrong_version(version: u32) -> Problem {
-    Problem::new(format!("version {version} is not known here"), format!("this program reads `version: {VERSION}`"))
+fn wrong_version(version: u32) -> Fault {
+    Fault::new(format!("version {version} is not known here"), format!("this program reads `version: {VERSION}`"))
 }
 
-fn check_size(size: usize) -> Result<(), Problem> {
+fn check_size(size: usize) -> Result<(), Fault> {
     if size.is_power_of_two() && size <= LARGEST {
         return Ok(());
     }
@@ -140,7 +140,7 @@ fn check_size(size: usize) -> Result<(), Problem> {
     let above = inside.next_power_of_two();
     let nearest = if inside - above / 2 < above - inside { above / 2 } else { above };
     let remedy = format!("it is a power of two from 1 to {LARGEST}; the nearest is {nearest}");
-    Err(Problem::new(format!("the size cannot be {size}"), remedy))
+    Err(Fault::new(format!("the size cannot be {size}"), remedy))
 }
 
 fn default_size() -> usize {

@@ -1,11 +1,13 @@
 //! What a preset says of how light is propagated.
 
+pub mod ordinates;
+
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::error::{Problem, Step, nearest, quote};
-use super::ordinates::{MOST_DIRECTIONS, Setting};
+use super::error::{Fault, Step};
+use ordinates::{MOST_DIRECTIONS, Setting};
 
 /// The most iterations of one run.
 pub const MOST_ITERATIONS: usize = 1_000_000;
@@ -87,39 +89,28 @@ impl Default for Propagation {
 }
 
 impl Propagation {
-    pub(super) fn check(&self) -> Result<(), Problem> {
-        let known = crate::transport::names();
-        if !known.contains(&self.scheme.as_str()) {
-            let what = format!("the scheme {} is not known", quote(&self.scheme));
-            let remedy = match nearest(&self.scheme, &known) {
-                Some(near) => format!("did you mean `{near}`? Known are {}", known.join(", ")),
-                None => format!("known are {}", known.join(", ")),
-            };
-            return Err(Problem::new(what, remedy).field("scheme"));
-        }
+    pub(super) fn check(&self) -> Result<(), Fault> {
         not_negative(self.factor, "the factor").map_err(|p| p.field("factor"))?;
         if self.iterations > MOST_ITERATIONS {
             let what = format!("{} iterations are too many", self.iterations);
-            return Err(Problem::new(what, format!("at most {MOST_ITERATIONS} are run")).field("iterations"));
+            return Err(Fault::new(what, format!("at most {MOST_ITERATIONS} are run")).field("iterations"));
         }
         let directions = self.ordinates.directions;
         if !(1..=MOST_DIRECTIONS).contains(&directions) {
-            let problem = Problem::new(
-                format!("there cannot be {directions} directions"),
-                format!("from 1 to {MOST_DIRECTIONS}"),
-            );
-            return Err(problem.field("directions").within(Step::Field("ordinates")));
+            let fault =
+                Fault::new(format!("there cannot be {directions} directions"), format!("from 1 to {MOST_DIRECTIONS}"));
+            return Err(fault.field("directions").within(Step::Field("ordinates")));
         }
         Ok(())
     }
 }
 
 /// Checks that a number is finite and not below zero; `what` names it.
-pub(super) fn not_negative(value: f64, what: &str) -> Result<(), Problem> {
+pub(super) fn not_negative(value: f64, what: &str) -> Result<(), Fault> {
     if value.is_finite() && value >= 0.0 {
         return Ok(());
     }
-    Err(Problem::new(format!("{what} is {value}"), "write a finite number, zero or more"))
+    Err(Fault::new(format!("{what} is {value}"), "write a finite number, zero or more"))
 }
 
 /// Whether a value is its type's default, which documents leave out.

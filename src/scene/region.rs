@@ -1,6 +1,6 @@
 //! Blocks of cells, both ends in: walls, rectangles and boxes.
 
-use super::error::Problem;
+use super::error::Fault;
 use crate::field::Cell;
 
 /// The cells from one corner to the other, both in.
@@ -12,13 +12,13 @@ pub(super) struct Region {
 
 impl Region {
     /// The block between two corners, which must lie in a volume of side `size` in their order.
-    pub(super) fn checked(from: Cell, to: Cell, size: usize) -> Result<Self, Problem> {
+    pub(super) fn checked(from: Cell, to: Cell, size: usize) -> Result<Self, Fault> {
         check_cell(from, size).map_err(|p| p.field("from"))?;
         check_cell(to, size).map_err(|p| p.field("to"))?;
         if let Some(axis) = (0..3).find(|&axis| from[axis] > to[axis]) {
             let name = ["x", "y", "z"][axis];
             let what = format!("the block ends at {name} = {} before it begins at {}", to[axis], from[axis]);
-            return Err(Problem::new(what, "`from` holds the smaller x, y and z, `to` the larger").field("to"));
+            return Err(Fault::new(what, "`from` holds the smaller x, y and z, `to` the larger").field("to"));
         }
         Ok(Region { from, to })
     }
@@ -55,13 +55,13 @@ impl Region {
 }
 
 /// Checks that a cell lies in a volume of side `size`.
-pub(super) fn check_cell(cell: Cell, size: usize) -> Result<(), Problem> {
+pub(super) fn check_cell(cell: Cell, size: usize) -> Result<(), Fault> {
     if cell.iter().all(|c| *c < size) {
         return Ok(());
     }
     let [x, y, z] = cell;
     let what = format!("the cell ({x}, {y}, {z}) lies outside the volume");
-    Err(Problem::new(what, format!("x, y and z go from 0 to {}", size - 1)))
+    Err(Fault::new(what, format!("x, y and z go from 0 to {}", size - 1)))
 }
 
 #[cfg(test)]

@@ -40,7 +40,7 @@ impl<T: Real> Simulation<T> {
         for action in [Action::Clear, Action::Inject, Action::Downsample] {
             self.act(action);
         }
-        self.advance(self.scene.propagation.iterations, wanted);
+        self.advance(self.problem.propagation.iterations, wanted);
         self.act(Action::Merge);
         self.iteration
     }
@@ -100,7 +100,7 @@ impl<T: Real> Simulation<T> {
 
     /// Whether the fast loops can do the next iteration and all after it.
     fn is_fast(&self) -> bool {
-        let counts_twice = self.iteration == 0 && self.scene.propagation.snapshots == Snapshots::CopyFirst;
+        let counts_twice = self.iteration == 0 && self.problem.propagation.snapshots == Snapshots::CopyFirst;
         self.options().kernel == Kernel::Fast
             && !counts_twice
             && self.radiance.is_none()
@@ -109,7 +109,7 @@ impl<T: Real> Simulation<T> {
 
     /// One iteration by the definition.
     fn plainly(&mut self) {
-        let keep_source = self.iteration == 0 && self.scene.propagation.snapshots == Snapshots::CopyFirst;
+        let keep_source = self.iteration == 0 && self.problem.propagation.snapshots == Snapshots::CopyFirst;
         let acting = self.obstacles.as_ref().and_then(|obstacles| obstacles.acting(self.iteration + 1));
         for (colour, light) in self.lights.iter_mut().enumerate() {
             for (i, stencil) in self.stencils.iter().enumerate() {

@@ -196,12 +196,12 @@ mod tests {
     use super::super::{Action, Simulation};
     use super::*;
     use crate::scene::propagation::{Propagation, Snapshots};
-    use crate::scene::{Occlusion, Scene, Source};
+    use crate::scene::{Occlusion, Problem, Source};
     use crate::sh::Sh;
 
     fn simulation(factor: f64, strength: f64, snapshots: Snapshots) -> Simulation<f32> {
         let light = vec![([3, 4, 4], Sh::lobe(glam::DVec3::X) * strength)];
-        let scene = Scene {
+        let problem = Problem {
             size: 8,
             coarsest: 1,
             sources: vec![Source { color: [1.0; 3], light }],
@@ -209,7 +209,7 @@ mod tests {
             occlusion: Occlusion::default(),
             propagation: Propagation { factor, iterations: 10_000, snapshots, ..Propagation::default() },
         };
-        Simulation::new(scene).unwrap()
+        Simulation::new(problem).unwrap()
     }
 
     fn is_finite(simulation: &Simulation<f32>) -> bool {

@@ -16,7 +16,7 @@ impl<T: Real> Simulation<T> {
     pub(super) fn hand_down(&mut self) {
         // The first iteration of NVIDIA's sample adds its source once more, but by then that source has
         // moved on; what has not moved is counted here.
-        let source_counts_twice = self.iteration == 0 && self.scene.propagation.snapshots == Snapshots::CopyFirst;
+        let source_counts_twice = self.iteration == 0 && self.problem.propagation.snapshots == Snapshots::CopyFirst;
         for (colour, Light { source, accumulated, .. }) in self.lights.iter_mut().enumerate() {
             for i in 1..self.sizes.count() {
                 // Each level has gone a step further than the one before.

@@ -1,9 +1,9 @@
 //! What a scene's occluders are to its simulation: which kind of occluders, from which iteration on, and
 //! whether they tint light.
 
-use crate::field::{Channels, Grid, IndexVolume, Levels, Marks};
-use crate::scene::Scene;
-use crate::scene::occluder::{Accumulate, BlockingSign, OcclusionMode};
+use crate::field::{Grid, IndexVolume, Levels, Marks};
+use crate::scene::Problem;
+use crate::scene::occluder::{BlockingSign, OcclusionMode};
 use crate::sh::Real;
 use crate::transport::lattice::barrier::Barrier;
 use crate::transport::lattice::geometry::Geometry;
@@ -22,18 +22,18 @@ pub(super) struct Obstacles<T> {
 
 impl<T: Real> Obstacles<T> {
     /// `None` where there are none.
-    pub(super) fn new(scene: &Scene, sizes: Levels, scheme: &Scheme) -> Option<Self> {
-        let occlusion = scene.occlusion;
-        if scene.solids.is_empty() || occlusion.mode == OcclusionMode::Off {
+    pub(super) fn new(problem: &Problem, sizes: Levels, scheme: &Scheme) -> Option<Self> {
+        let occlusion = problem.occlusion;
+        if !problem.has_occluders() {
             return None;
         }
-        let geometry = Geometry::new(sizes, &scene.solids);
+        let geometry = Geometry::new(sizes, &problem.solids);
         // Reflection is what a mirroring scheme is; in the others it is an extra that the preset asks for.
         let mirrors = scheme.surface == Surface::Mirrored;
         let (occluders, from_iteration) = match occlusion.mode {
             OcclusionMode::Hard => {
-                let injected = scene.sources.iter().flat_map(|source| &source.light);
-                let barrier = Barrier::new(sizes, &scene.solids, injected.map(|(cell, _)| *cell));
+                let injected = problem.sources.iter().flat_map(|source| &source.light);
+                let barrier = Barrier::new(sizes, &problem.solids, injected.map(|(cell, _)| *cell));
                 let bounce = if mirrors { 1.0 } else { occlusion.bounce };
                 (Occluders::Hard(Hard { barrier, geometry, bounce: T::of(bounce) }), 0)
             }
@@ -67,16 +67,8 @@ pub(super) fn mark_shut<T: Real>(obstacles: Option<&Obstacles<T>>, index: &mut I
 }
 
 /// By level the cells that accumulate light; `None` where all do.
-pub(super) fn accumulating(scene: &Scene, sizes: Levels) -> Option<Vec<Marks>> {
-    if scene.occlusion.accumulate == Accumulate::Everywhere {
-        return None;
-    }
-    let level = |i: usize| {
-        let mut occupied = Marks::new(sizes.side(i));
-        scene.solids.iter().for_each(|blocker| occupied.set(blocker.cell.map(|c| c >> i)));
-        occupied
-    };
-    Some((0..sizes.count()).map(level).collect())
+pub(super) fn accumulating(problem: &Problem, sizes: Levels) -> Option<Vec<Marks>> {
+    (0..sizes.count()).map(|level| problem.accumulating(level)).collect()
 }
 
 /// Adds the light of an iteration to what was accumulated, in all cells or in the given ones.
@@ -88,14 +80,4 @@ pub(super) fn accumulate<T: Real>(light: &Grid<T>, cells: Option<&Marks>, accumu
             lit.for_each(|(cell, light)| accumulated.add(cell, light));
         }
     }
-}
-
-/// The channels that a scene needs: one a colour where a surface may tint the light, else the fewest.
-pub(super) fn channels(scene: &Scene) -> Channels {
-    let tints = |[red, green, blue]: [f64; 3]| red != green || green != blue;
-    if scene.occlusion.mode != OcclusionMode::Off && scene.solids.iter().any(|b| tints(b.albedo)) {
-        return Channels::separate();
-    }
-    let colors: Vec<[f64; 3]> = scene.sources.iter().map(|source| source.color).collect();
-    Channels::of_colors(&colors)
 }

@@ -19,10 +19,9 @@ use super::occlusion::accumulate;
 use super::options::Work;
 use super::{Divergence, Light, Simulation, memory};
 use crate::field::{Channels, Grid, IndexVolume, Levels};
-use crate::scene::occluder::OcclusionMode;
-use crate::scene::ordinates::Setting;
+use crate::scene::propagation::ordinates::Setting;
 use crate::scene::propagation::{Propagation, Snapshots};
-use crate::scene::{Scene, Source};
+use crate::scene::{Problem, Source};
 use crate::sh::{K0, K1, Real, SPHERE, Sh};
 use crate::transport::lattice::active::everywhere;
 use crate::transport::ordinates::stepper::Stepper;
@@ -46,15 +45,14 @@ pub(super) struct Radiance {
 
 impl Radiance {
     /// Dark, if the scene wants ordinates at all.
-    pub(super) fn new(scene: &Scene, channels: &Channels) -> Option<Self> {
-        let setting = Self::setting(&scene.propagation)?;
+    pub(super) fn new(problem: &Problem, channels: &Channels) -> Option<Self> {
+        let setting = Self::setting(&problem.propagation)?;
         let ordinates = Ordinates::of(&setting);
-        let blocks = scene.occlusion.mode != OcclusionMode::Off;
         Some(Radiance {
             setting,
-            steppers: (0..channels.count()).map(|_| Stepper::new(ordinates.clone(), scene.size)).collect(),
-            occluders: Transparency::new(scene.size, if blocks { &scene.solids } else { &[] }),
-            gain: scene.propagation.factor / KEEPS_ALL,
+            steppers: (0..channels.count()).map(|_| Stepper::new(ordinates.clone(), problem.size)).collect(),
+            occluders: Transparency::of(problem),
+            gain: problem.propagation.factor / KEEPS_ALL,
             flux: 0.0,
             accumulated: 0.0,
         })
@@ -133,7 +131,7 @@ impl<T: Real> Simulation<T> {
 
     /// Takes the scene's ordinates, or none; light under way goes on its way if they are the same.
     pub(super) fn set_radiance(&mut self) {
-        let Some(mut new) = Radiance::new(&self.scene, &self.channels) else {
+        let Some(mut new) = Radiance::new(&self.problem, &self.channels) else {
             self.radiance = None;
             return;
         };
@@ -149,7 +147,7 @@ impl<T: Real> Simulation<T> {
 
     /// One iteration of the finest level; the others follow.
     pub(super) fn radiate(&mut self, radiance: &mut Radiance) {
-        let counts_twice = self.iteration == 0 && self.scene.propagation.snapshots == Snapshots::CopyFirst;
+        let counts_twice = self.iteration == 0 && self.problem.propagation.snapshots == Snapshots::CopyFirst;
         let mut arrived = Grid::new(self.sizes.finest());
         for (light, stepper) in self.lights.iter_mut().zip(&mut radiance.steppers) {
             let again = counts_twice.then(|| stepper.unsent().clone());
@@ -180,16 +178,17 @@ impl<T: Real> Simulation<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::ordinates::Lattice;
-    use crate::scene::ordinates::Rule;
+    use crate::scene::occluder::OcclusionMode;
+    use crate::scene::propagation::ordinates::Lattice;
+    use crate::scene::propagation::ordinates::Rule;
     use crate::scene::{Occlusion, Solid};
-    use crate::simulation::{Action, SimulationError};
+    use crate::simulation::{Action, Refusal};
     use glam::DVec3;
 
-    fn scene(factor: f64) -> Scene {
+    fn problem(factor: f64) -> Problem {
         let light = vec![([2, 3, 3], Sh::lobe(DVec3::X)), ([5, 5, 1], Sh([0.4, 0.0, -0.1, 0.2]))];
         let ordinates = Setting { directions: 40, rule: Rule::Faces, lattice: Lattice::Octahedral };
-        Scene {
+        Problem {
             size: 8,
             coarsest: 1,
             sources: vec![Source { color: [1.0, 0.5, 0.0], light }],
@@ -205,8 +204,8 @@ mod tests {
         }
     }
 
-    fn run<T: Real>(scene: &Scene) -> Simulation<T> {
-        let mut simulation = Simulation::new(scene.clone()).unwrap();
+    fn run<T: Real>(problem: &Problem) -> Simulation<T> {
+        let mut simulation = Simulation::new(problem.clone()).unwrap();
         simulation.run(|_| true);
         simulation
     }
@@ -214,14 +213,14 @@ mod tests {
     #[test]
     fn at_four_all_iterations_are_one_sweep_and_what_is_merged_is_the_finest_level() {
         for mode in [OcclusionMode::Hard, OcclusionMode::Fuzzy, OcclusionMode::Off] {
-            let mut scene = scene(4.0);
-            scene.occlusion.mode = mode;
-            scene.solids = vec![Solid { cell: [4, 3, 3], normal: DVec3::X, opacity: 0.7, albedo: [0.5; 3] }];
-            let simulation = run::<f32>(&scene);
+            let mut problem = problem(4.0);
+            problem.occlusion.mode = mode;
+            problem.solids = vec![Solid { cell: [4, 3, 3], normal: DVec3::X, opacity: 0.7, albedo: [0.5; 3] }];
+            let simulation = run::<f32>(&problem);
             let mut injected = Grid::new(8);
-            scene.sources[0].light.iter().for_each(|(cell, light)| injected.set(*cell, light.cast()));
-            let occluders = Transparency::new(8, &scene.solids).filter(|_| mode != OcclusionMode::Off);
-            let mut wanted = Ordinates::of(&scene.propagation.ordinates).solve(&injected, occluders.as_ref());
+            problem.sources[0].light.iter().for_each(|(cell, light)| injected.set(*cell, light.cast()));
+            let occluders = Transparency::new(8, &problem.solids).filter(|_| mode != OcclusionMode::Off);
+            let mut wanted = Ordinates::of(&problem.propagation.ordinates).solve(&injected, occluders.as_ref());
             wanted.add_grid(&injected);
             let light = &simulation.lights()[0];
             assert_eq!(light.merged.as_ref(), Some(light.accumulated.level(0)));
@@ -234,9 +233,9 @@ mod tests {
 
     #[test]
     fn the_factor_thins_every_snapshot_and_coarser_levels_hold_means() {
-        let (full, haze) = (run::<f32>(&scene(4.0)), run::<f64>(&scene(3.0)));
+        let (full, haze) = (run::<f32>(&problem(4.0)), run::<f64>(&problem(3.0)));
         let mut sum = 0.0;
-        let mut stepped = Simulation::<f32>::new(scene(4.0)).unwrap();
+        let mut stepped = Simulation::<f32>::new(problem(4.0)).unwrap();
         stepped.run(|now| {
             sum += 0.75f64.powi(now.iteration() as i32) * now.lights()[0].source.level(0).energy();
             true
@@ -254,8 +253,8 @@ mod tests {
 
     #[test]
     fn light_injected_on_the_way_adds_up_and_clearing_forgets_it() {
-        let once = run::<f32>(&scene(4.0));
-        let mut again = Simulation::<f32>::new(scene(4.0)).unwrap();
+        let once = run::<f32>(&problem(4.0));
+        let mut again = Simulation::<f32>::new(problem(4.0)).unwrap();
         let act = |simulation: &mut Simulation<f32>, action, times| {
             for _ in 0..times {
                 simulation.act(action);
@@ -275,29 +274,29 @@ mod tests {
 
     #[test]
     fn copying_first_sends_the_injected_light_twice() {
-        let mut copied = scene(4.0);
+        let mut copied = problem(4.0);
         copied.propagation.snapshots = Snapshots::CopyFirst;
         copied.propagation.iterations = 25;
-        let [plain, copied] = [scene(4.0), copied].map(|scene| {
-            let simulation = run::<f32>(&scene);
+        let [plain, copied] = [problem(4.0), copied].map(|problem| {
+            let simulation = run::<f32>(&problem);
             simulation.lights()[0].accumulated.level(0).energy()
         });
-        let injected = scene(4.0).sources[0].light.iter().map(|(_, light)| light.0[0]).sum::<f64>();
+        let injected = problem(4.0).sources[0].light.iter().map(|(_, light)| light.0[0]).sum::<f64>();
         // S_1 + S_2 + … with S_1 = S_0 + P(S_0) is S_0 + 2·(P(S_0) + P(P(S_0)) + …).
         assert!((copied - (2.0 * plain - injected)).abs() < 1e-4 * plain, "{copied}, {plain}, {injected}");
     }
 
     #[test]
     fn a_scheme_can_be_left_for_ordinates_and_the_other_way_round() {
-        let mut simulation = Simulation::<f32>::new(scene(4.0)).unwrap();
-        let cascaded = Propagation { scheme: "cascaded".to_owned(), ..scene(4.0).propagation };
+        let mut simulation = Simulation::<f32>::new(problem(4.0)).unwrap();
+        let cascaded = Propagation { scheme: "cascaded".to_owned(), ..problem(4.0).propagation };
         simulation.act(Action::Inject);
         simulation.act(Action::Propagate);
         simulation.set_propagation(cascaded).unwrap();
         simulation.act(Action::Propagate);
         assert_eq!(simulation.bytes_under_way(), 0);
         let before = simulation.lights()[0].source.level(0).energy();
-        simulation.set_propagation(scene(2.0).propagation).unwrap();
+        simulation.set_propagation(problem(2.0).propagation).unwrap();
         simulation.act(Action::Propagate);
         let after = simulation.lights()[0].source.level(0).energy();
         assert!(0.3 * before < after && after < 0.5 * before + 1e-3, "{before}, {after}");
@@ -305,16 +304,16 @@ mod tests {
 
     #[test]
     fn what_would_leave_the_range_of_numbers_or_the_memory_is_refused() {
-        let mut simulation = run::<f32>(&scene(1e30));
+        let mut simulation = run::<f32>(&problem(1e30));
         assert!(simulation.divergence().is_some());
         assert!(
             simulation.lights()[0].accumulated.level(0).iter().all(|(_, light)| light.0.iter().all(|c| c.is_finite()))
         );
         simulation.act(Action::Clear);
         assert!(simulation.act(Action::Propagate).target);
-        let mut large = scene(4.0);
+        let mut large = problem(4.0);
         large.size = 1024;
         large.propagation.ordinates.directions = 8192;
-        assert!(matches!(Simulation::<f32>::new(large), Err(SimulationError::Memory { .. })));
+        assert!(matches!(Simulation::<f32>::new(large), Err(Refusal::Memory { .. })));
     }
 }

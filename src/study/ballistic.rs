@@ -1,194 +1,48 @@
-//! What truly arrives: light that travels in straight lines (MATH.md section 6).
+//! What a propagator moved against what truly arrives.
 //!
-//! Each cell s that holds injected light is a point light at its centre, of intensity
-//! I_s(ω) = max(0, c_s·Y(ω)). The flux that enters cell x is V(s, x)·∫ I_s dω over the directions in which s
-//! sees the cube x, V being what the occluders on the straight line between both let through; it arrives
-//! from one direction u_s, so
-//!
-//! ```text
-//! R(x) = Σ_s Φ_s(x)·Y(u_s)
-//! ```
-//!
-//! No propagator of the lab computes this, which is the point: all of them are judged by it alike. R is
-//! compared with what a propagator moved, S_A − S_0, as it is and after the one scalar that fits best,
-//! for renderers scale by taste. In every cell but the source's own the flux is the exact one
-//! ([`solid_angle`]); a cell that s sees both sides of an edge of is given the light of its centre's direction.
+//! R of [`crate::transport::ballistic`] is compared with the merged light that has moved, S_A − S_0, as it is and
+//! after the one scalar that fits best, for renderers scale by taste.
 
 mod fit;
-mod pattern;
-pub mod solid_angle;
-pub mod visibility;
-
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-
-use glam::DVec3;
-use rayon::prelude::*;
 
 use super::error::{self, ErrorRow, Metric};
-use super::reference;
-use crate::field::{Cell, Grid, Layout};
-use crate::scene::Solid;
-use crate::scene::occluder::OcclusionMode;
-use crate::scene::{Occlusion, Scene, Source};
-use crate::sh::{Real, Sh};
-use crate::simulation::{Simulation, SimulationError};
-use crate::transport::transparency::Transparency;
+use crate::field::Grid;
+use crate::scene::propagation::Snapshots;
+use crate::sh::Real;
+use crate::simulation::Simulation;
+use crate::transport::ballistic::Ballistic;
 pub use fit::{BestFit, l1};
-use solid_angle::Extent;
-use visibility::Visibility;
-
-/// R of a scene, with what it depends on.
-#[derive(Clone, Debug)]
-pub struct Ballistic {
-    size: usize,
-    sources: Vec<Source>,
-    solids: Vec<Solid>,
-    occlusion: Occlusion,
-    light: Vec<Grid<f32>>,
-}
-
-impl Ballistic {
-    /// Computes R on all cores. `progress` hears of the share done, 0 to 1, from any thread, and returns
-    /// whether to go on; `None` if it did not want to.
-    pub fn new(scene: &Scene, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Option<Self>, SimulationError> {
-        let injected = reference::injected::<f64>(scene)?;
-        let extents = extents(scene.size);
-        let blocks = scene.occlusion.mode != OcclusionMode::Off;
-        let solids: &[Solid] = if blocks { &scene.solids } else { &[] };
-        let transparency = Transparency::new(scene.size, solids);
-        let visibility = transparency.as_ref().map(|cells| Visibility::new(cells, scene.size));
-        let channels = injected.lights().len();
-        let mut light = Vec::new();
-        for (channel, carried) in injected.lights().iter().enumerate() {
-            let points: Vec<(Cell, Sh<f64>)> =
-                carried.source.level(0).iter().filter(|(_, light)| !light.is_zero()).collect();
-            let part = |done: f64| progress((channel as f64 + done) / channels as f64);
-            let Some(grid) = arriving(&points, &extents, visibility.as_ref(), scene.size, &part) else {
-                return Ok(None);
-            };
-            light.push(grid);
-        }
-        let Scene { size, sources, solids, occlusion, .. } = scene.clone();
-        Ok(Some(Ballistic { size, sources, solids, occlusion, light }))
-    }
-
-    /// Whether it is the reference of `scene`: the way light is propagated does not matter to it.
-    pub fn is_of(&self, scene: &Scene) -> bool {
-        self.size == scene.size
-            && self.sources == scene.sources
-            && self.solids == scene.solids
-            && self.occlusion.mode == scene.occlusion.mode
-    }
-
-    /// R of each channel; zero in cells that only hold their own light.
-    pub fn light(&self) -> &[Grid<f32>] {
-        &self.light
-    }
-}
-
-/// What a cell at each offset is seen as, x fastest, for offsets of 0 to n − 1 on each axis.
-fn extents(n: usize) -> Vec<Extent> {
-    let cells: Vec<Cell> = Layout::new(n).cells().collect();
-    cells.par_iter().map(|cell| solid_angle::of_cell(DVec3::from_array(cell.map(|c| c as f64)))).collect()
-}
-
-/// R of one channel.
-fn arriving(
-    points: &[(Cell, Sh<f64>)],
-    extents: &[Extent],
-    visibility: Option<&Visibility<'_>>,
-    n: usize,
-    progress: &(dyn Fn(f64) -> bool + Sync),
-) -> Option<Grid<f32>> {
-    let (done, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
-    let patterns = if visibility.is_none() { pattern::of_equals(points, extents, n) } else { Vec::new() };
-    let rows: Vec<Vec<Sh<f64>>> = (0..n * n)
-        .into_par_iter()
-        .map(|row| {
-            if stopped.load(Ordering::Relaxed) {
-                return Vec::new();
-            }
-            let (y, z) = (row % n, row / n);
-            let mut light = vec![Sh::ZERO; n];
-            if patterns.is_empty() {
-                for (x, light) in light.iter_mut().enumerate() {
-                    *light = points.iter().map(|point| from_one(point, [x, y, z], extents, visibility, n)).sum();
-                }
-            }
-            patterns.iter().for_each(|pattern| pattern.add_row(y, z, &mut light));
-            let share = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / (n * n) as f64;
-            if !progress(share) {
-                stopped.store(true, Ordering::Relaxed);
-            }
-            light
-        })
-        .collect();
-    if stopped.into_inner() {
-        return None;
-    }
-    let mut grid = Grid::new(n);
-    for (row, lights) in rows.iter().enumerate() {
-        for (x, light) in lights.iter().enumerate() {
-            grid.set([x, row % n, row / n], light.cast());
-        }
-    }
-    Some(grid)
-}
-
-/// Φ·Y(u) of one point light at one cell.
-fn from_one(
-    &(from, light): &(Cell, Sh<f64>),
-    to: Cell,
-    extents: &[Extent],
-    visibility: Option<&Visibility<'_>>,
-    n: usize,
-) -> Sh<f64> {
-    let arrived = arrived_at(light, [0, 1, 2].map(|a| to[a] as isize - from[a] as isize), extents, n);
-    match visibility {
-        Some(visibility) if !arrived.is_zero() => arrived * visibility.between(from, to),
-        _ => arrived,
-    }
-}
-
-/// Φ·Y(u) of a point light at the cell that is `offset` away, up to n − 1 on each axis, if nothing is in between.
-fn arrived_at(light: Sh<f64>, offset: [isize; 3], extents: &[Extent], n: usize) -> Sh<f64> {
-    if offset == [0; 3] {
-        return Sh::ZERO;
-    }
-    let [x, y, z] = offset.map(isize::unsigned_abs);
-    let offset = DVec3::from_array(offset.map(|c| c as f64));
-    let mirrored = extents[(z * n + y) * n + x];
-    let vector = mirrored.vector * offset.signum();
-    let flux = solid_angle::flux(light, offset, &Extent { vector, ..mirrored });
-    if flux <= 0.0 { Sh::ZERO } else { Sh::basis(offset.normalize()) * flux }
-}
 
 /// The ballistic metric on the merged light that has moved, S_A − S_0, with the injected light taken off in
 /// the cells that hold any.
-pub fn error<T: Real>(simulation: &Simulation<T>, truth: &Ballistic) -> Result<ErrorRow, SimulationError> {
-    let moved = moved(simulation)?;
+pub fn error<T: Real>(simulation: &Simulation<T>, truth: &Ballistic) -> ErrorRow {
+    let moved = moved(simulation);
     let scales = error::channel_scales(simulation);
-    let tally = error::tally(&scales, truth.size, |channel, cell| {
-        (moved[channel].get(cell), truth.light[channel].get(cell).cast())
+    let tally = error::tally(&scales, truth.side(), |channel, cell| {
+        (moved[channel].get(cell), truth.light()[channel].get(cell).cast())
     });
-    Ok(tally.row(simulation.iteration(), Metric::Ballistic, None))
+    tally.row(simulation.iteration(), Metric::Ballistic, None)
 }
 
 /// The L1 ratio of the merged light that has moved, as it is and after the scalar that fits best.
-pub fn best_fit(simulation: &Simulation<f32>, truth: &Ballistic) -> Result<BestFit, SimulationError> {
-    Ok(l1(&error::channel_scales(simulation), &moved(simulation)?, &truth.light))
+pub fn best_fit(simulation: &Simulation<f32>, truth: &Ballistic) -> BestFit {
+    l1(&error::channel_scales(simulation), &moved(simulation), truth.light())
 }
 
 /// S_A − S_0 of each channel: the merged light without the light that was injected.
-pub fn moved<T: Real>(simulation: &Simulation<T>) -> Result<Vec<Grid<T>>, SimulationError> {
-    let scene = simulation.scene();
+pub fn moved<T: Real>(simulation: &Simulation<T>) -> Vec<Grid<T>> {
+    let problem = simulation.problem();
     let mut merged = error::sampled(simulation);
-    // Whether S_0 is in the sum is the snapshots' choice; injecting anew tells.
-    let injected = reference::injected::<T>(scene)?;
-    for (merged, light) in merged.iter_mut().zip(injected.lights()) {
-        for (cell, value) in light.accumulated.level(0).iter().filter(|(_, value)| !value.is_zero()) {
+    // Whether S_0 is in the sum is the snapshots' choice.
+    if problem.propagation.snapshots != Snapshots::Thesis {
+        return merged;
+    }
+    let cells = problem.accumulating(0);
+    let counts = |cell| cells.as_ref().is_none_or(|cells| cells.get(cell));
+    for (merged, injected) in merged.iter_mut().zip(problem.injected::<T>(simulation.channels())) {
+        for (cell, value) in injected.iter().filter(|(cell, value)| !value.is_zero() && counts(*cell)) {
             merged.set(cell, merged.get(cell) - value);
         }
     }
-    Ok(merged)
+    merged
 }

@@ -16,7 +16,7 @@ use std::time::Instant;
 use rayon::ThreadPool;
 
 use crate::scene::SceneError;
-use crate::simulation::SimulationError;
+use crate::simulation::Refusal;
 use crate::transport::lattice::scheme::Scheme;
 use crate::transport::lattice::schemes;
 
@@ -37,7 +37,7 @@ pub enum BenchmarkError {
     Scene(#[from] SceneError),
     /// A setting that cannot be run.
     #[error(transparent)]
-    Simulation(#[from] SimulationError),
+    Simulation(#[from] Refusal),
     /// No threads to run on.
     #[error("cannot start {threads} threads: {why}")]
     Threads {

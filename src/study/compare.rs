@@ -10,11 +10,12 @@ mod probe;
 use std::time::{Duration, Instant};
 
 use crate::field::Grid;
-use crate::scene::Scene;
-use crate::simulation::{Action, Light, Simulation, SimulationError};
-use crate::study::ballistic::{self, Ballistic};
+use crate::scene::Problem;
+use crate::simulation::{Action, Light, Refusal, Simulation};
+use crate::study::ballistic;
 use crate::study::error::{self, ErrorRow};
 use crate::study::reference;
+use crate::transport::ballistic::Ballistic;
 use places::Places;
 
 /// The most iterations that convergence is waited for.
@@ -46,10 +47,10 @@ impl Reference {
     }
 
     /// Computes what of it is the same for every scheme.
-    pub fn of(self, scene: &Scene) -> Result<Truth, SimulationError> {
+    pub fn of(self, problem: &Problem) -> Truth {
         match self {
-            Reference::Uniform => Ok(Truth(None)),
-            Reference::Ballistic => Ok(Truth(Ballistic::new(scene, &|_| true)?)),
+            Reference::Uniform => Truth(None),
+            Reference::Ballistic => Truth(Ballistic::new(problem, &|_| true)),
         }
     }
 }
@@ -60,18 +61,18 @@ pub struct Truth(Option<Ballistic>);
 
 impl Truth {
     /// The error of the merged light, and its L1 ratio after the scalar that fits best.
-    fn error(&self, simulation: &Simulation<f32>) -> Result<(ErrorRow, f64), SimulationError> {
+    fn error(&self, simulation: &Simulation<f32>) -> (ErrorRow, f64) {
         let (row, found, expected) = match &self.0 {
             None => {
                 let uniform = reference::uniform(simulation);
                 (error::merged(simulation, &uniform), error::sampled(simulation), uniform)
             }
             Some(truth) => {
-                let row = ballistic::error(simulation, truth)?;
-                (row, ballistic::moved(simulation)?, truth.light().to_vec())
+                let row = ballistic::error(simulation, truth);
+                (row, ballistic::moved(simulation), truth.light().to_vec())
             }
         };
-        Ok((row, ballistic::l1(&error::channel_scales(simulation), &found, &expected).fitted))
+        (row, ballistic::l1(&error::channel_scales(simulation), &found, &expected).fitted)
     }
 }
 
@@ -106,15 +107,15 @@ pub struct Finding {
     pub iteration_time: Duration,
 }
 
-/// Runs `scene` under the scheme called `scheme`, its other settings unchanged, and compares it with a
+/// Runs `problem` under the scheme called `scheme`, its other settings unchanged, and compares it with a
 /// reference that was made for it.
-pub fn run(scene: &Scene, scheme: &str, truth: &Truth) -> Result<Finding, SimulationError> {
-    let mut scene = scene.clone();
-    scene.propagation.scheme = scheme.to_owned();
-    let places = Places::of(&scene);
-    let anisotropy = probe::anisotropy(&scene.propagation)?;
-    let iterations = scene.propagation.iterations;
-    let mut simulation = Simulation::<f32>::new(scene)?;
+pub fn run(problem: &Problem, scheme: &str, truth: &Truth) -> Result<Finding, Refusal> {
+    let mut problem = problem.clone();
+    problem.propagation.scheme = scheme.to_owned();
+    let places = Places::of(&problem);
+    let anisotropy = probe::anisotropy(&problem.propagation)?;
+    let iterations = problem.propagation.iterations;
+    let mut simulation = Simulation::<f32>::new(problem)?;
     for action in [Action::Clear, Action::Inject, Action::Downsample] {
         simulation.act(action);
     }
@@ -133,7 +134,7 @@ pub fn run(scene: &Scene, scheme: &str, truth: &Truth) -> Result<Finding, Simula
         moved.iter_mut().zip(&snapshot).for_each(|(sum, light)| *sum += light);
     }
     simulation.act(Action::Merge);
-    let (error, l1_fitted) = truth.error(&simulation)?;
+    let (error, l1_fitted) = truth.error(&simulation);
     let merged = brightness(&weights, simulation.lights(), |l| l.merged.as_ref().unwrap_or(l.accumulated.level(0)));
 
     let energy_left = ratio(energies[iterations], energies[0]);

@@ -226,7 +226,7 @@ fn rows(iteration: usize, metric: Metric, per_level: &[Tally]) -> Vec<ErrorRow> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Occlusion, Propagation, Scene, Source};
+    use crate::scene::{Occlusion, Problem, Propagation, Source};
     use glam::DVec3;
 
     #[test]
@@ -262,7 +262,7 @@ mod tests {
     #[test]
     fn a_uniform_volume_has_no_error_by_any_metric() {
         let source = Source { color: [1.0, 0.5, 0.0], light: vec![([3, 1, 2], Sh::lobe(DVec3::X))] };
-        let scene = Scene {
+        let problem = Problem {
             size: 4,
             coarsest: 4,
             sources: vec![source],
@@ -270,7 +270,7 @@ mod tests {
             occlusion: Occlusion::default(),
             propagation: Propagation { iterations: 3, ..Propagation::default() },
         };
-        let mut simulation = Simulation::<f32>::new(scene).unwrap();
+        let mut simulation = Simulation::<f32>::new(problem).unwrap();
         simulation.run(|_| true);
         let uniform = super::super::reference::uniform(&simulation);
         assert_eq!(corrected(&simulation, &uniform).len(), 1); // no level but the finest

@@ -14,14 +14,15 @@
 pub mod made;
 mod way;
 
-use super::ballistic::{self, Ballistic, BestFit};
-use super::converged;
+use super::ballistic::{self, BestFit};
 use super::error::channel_scales;
 use super::reference;
 use crate::field::Grid;
-use crate::scene::Scene;
+use crate::scene::Problem;
 use crate::simulation::options::Wanted;
-use crate::simulation::{Light, SimulationError};
+use crate::simulation::{Light, Refusal};
+use crate::transport::ballistic::Ballistic;
+use crate::transport::lattice::fixed_point;
 use crate::transport::lattice::schemes;
 use way::{Outcome, Start};
 
@@ -74,12 +75,12 @@ pub fn front<'a>(rows: &[&'a Row]) -> Vec<&'a Row> {
 /// `None` if it did not want to. Ways that refuse the scene are left out.
 pub fn measure(
     name: &str,
-    scene: &Scene,
+    problem: &Problem,
     rounds: usize,
     progress: &(dyn Fn(f64) -> bool + Sync),
-) -> Result<Option<Vec<Row>>, SimulationError> {
-    let Some(truth) = Ballistic::new(scene, &|share| progress(TRUTH * share))? else { return Ok(None) };
-    measure_against(name, scene, &truth, rounds, &|share| progress(TRUTH + (1.0 - TRUTH) * share))
+) -> Result<Option<Vec<Row>>, Refusal> {
+    let Some(truth) = Ballistic::new(problem, &|share| progress(TRUTH * share)) else { return Ok(None) };
+    measure_against(name, problem, &truth, rounds, &|share| progress(TRUTH + (1.0 - TRUTH) * share))
 }
 
 /// The part of the work that the ballistic reference counts as in what is told of progress.
@@ -88,11 +89,11 @@ const TRUTH: f64 = 0.25;
 /// [`measure`], where the ballistic reference of the scene is there already.
 pub fn measure_against(
     name: &str,
-    scene: &Scene,
+    problem: &Problem,
     truth: &Ballistic,
     rounds: usize,
     progress: &dyn Fn(f64) -> bool,
-) -> Result<Option<Vec<Row>>, SimulationError> {
+) -> Result<Option<Vec<Row>>, Refusal> {
     let mut ways = way::all();
     let steps = (schemes::names().len() + ways.len() * (1 + rounds)) as f64;
     let mut done = 0;
@@ -100,10 +101,10 @@ pub fn measure_against(
         done += 1;
         progress(f64::from(done) / steps)
     };
-    let start = Start::new(scene)?;
+    let start = Start::new(problem)?;
     let mut fixed_points = Vec::new();
     for name in schemes::names() {
-        fixed_points.push((name, fixed_point(&way::with(scene, name, "uniform", FOR_EVER))?));
+        fixed_points.push((name, fixed_point(&way::with(problem, name, "uniform", FOR_EVER))?));
         if !go_on() {
             return Ok(None);
         }
@@ -136,7 +137,7 @@ pub fn measure_against(
             preset: name.to_owned(),
             scheme: way.scheme(),
             levels: way.levels(),
-            size: scene.size,
+            size: problem.size,
             iterations: outcome.iterations,
             seconds,
             reference,
@@ -152,13 +153,13 @@ pub fn measure_against(
 }
 
 /// The fixed point of the uniform volume, solved for or iterated.
-fn fixed_point(scene: &Scene) -> Result<Vec<Grid<f32>>, SimulationError> {
-    if let Ok(Some(found)) = converged::solve(scene, REFERENCE_TOLERANCE, |_| true) {
+fn fixed_point(problem: &Problem) -> Result<Vec<Grid<f32>>, Refusal> {
+    if let Ok(Some(found)) = fixed_point::solve(problem, REFERENCE_TOLERANCE, |_| true) {
         return Ok(found.light);
     }
-    let mut simulation = reference::injected::<f32>(scene)?;
+    let mut simulation = reference::injected::<f32>(problem)?;
     let energy = |of: &Grid<f32>| of.energy().abs();
-    while simulation.iteration() < scene.propagation.iterations && simulation.divergence().is_none() {
+    while simulation.iteration() < problem.propagation.iterations && simulation.divergence().is_none() {
         simulation.advance(LOOK_AFTER, Wanted::Everything);
         let died_out =
             |light: &Light<f32>| energy(light.source.level(0)) <= DIED_OUT * energy(light.accumulated.level(0));
@@ -178,8 +179,8 @@ mod tests {
 
     #[test]
     fn every_way_is_measured_against_what_it_can_be_and_errors_fall() {
-        let [(name, scene), ..] = made::scenes(8, 3.0);
-        let rows = measure(name, &scene, 1, &|_| true).unwrap().unwrap();
+        let [(name, problem), ..] = made::scenes(8, 3.0);
+        let rows = measure(name, &problem, 1, &|_| true).unwrap().unwrap();
         let of = |scheme: &str, levels: &str, reference: &str| -> Vec<&Row> {
             let rows = rows.iter().filter(|row| row.preset == "one-wall" && row.scheme == scheme);
             rows.filter(|row| row.levels == levels && row.reference == reference).collect()
@@ -196,15 +197,15 @@ mod tests {
 
     #[test]
     fn occluders_and_colours_are_measured_too_and_nobody_has_to_wait() {
-        let [_, _, (_, mut scene)] = made::scenes(8, 3.0);
-        scene.sources[0].color = [1.0, 0.5, 0.0];
-        scene.occlusion.mode = OcclusionMode::Hard;
-        scene.solids = vec![Solid { cell: [6, 4, 4], normal: DVec3::NEG_X, opacity: 1.0, albedo: [0.5, 0.0, 0.0] }];
-        let rows = measure("walled", &scene, 1, &|share| (0.0..=1.0).contains(&share)).unwrap().unwrap();
+        let [_, _, (_, mut problem)] = made::scenes(8, 3.0);
+        problem.sources[0].color = [1.0, 0.5, 0.0];
+        problem.occlusion.mode = OcclusionMode::Hard;
+        problem.solids = vec![Solid { cell: [6, 4, 4], normal: DVec3::NEG_X, opacity: 1.0, albedo: [0.5, 0.0, 0.0] }];
+        let rows = measure("walled", &problem, 1, &|share| (0.0..=1.0).contains(&share)).unwrap().unwrap();
         // The solver refuses occluders, the ordinates do not.
         assert!(rows.iter().all(|row| row.levels != "converged" && row.preset == "walled"));
         assert!(rows.iter().any(|row| row.scheme.starts_with("ordinates") && row.l1.fitted < 1.0));
-        assert_eq!(measure("walled", &scene, 1, &|share| share < 0.5).unwrap(), None);
+        assert_eq!(measure("walled", &problem, 1, &|share| share < 0.5).unwrap(), None);
     }
 
     #[test]

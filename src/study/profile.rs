@@ -6,9 +6,9 @@
 
 use crate::field::{Cell, Grid};
 use crate::scene::propagation::Policy;
-use crate::scene::{Propagation, Scene};
+use crate::scene::{Problem, Propagation};
 use crate::sh::Sh;
-use crate::simulation::{Action, Simulation, SimulationError};
+use crate::simulation::{Action, Refusal, Simulation};
 
 /// A straight line of finest cells along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,12 +38,12 @@ pub struct Policies {
 impl Policies {
     /// The scene with its light injected, and nothing propagated yet. A policy that the factor is too large for is
     /// left out.
-    pub fn new(scene: &Scene) -> Result<Self, SimulationError> {
+    pub fn new(problem: &Problem) -> Result<Self, Refusal> {
         let mut runs = Vec::new();
         for levels in Policy::ALL {
-            let propagation = Propagation { levels, ..scene.propagation.clone() };
-            let mut run = match Simulation::new(Scene { propagation, ..scene.clone() }) {
-                Err(SimulationError::TooLarge(_)) => continue,
+            let propagation = Propagation { levels, ..problem.propagation.clone() };
+            let mut run = match Simulation::new(Problem { propagation, ..problem.clone() }) {
+                Err(Refusal::TooLarge(_)) => continue,
                 run => run?,
             };
             for action in [Action::Clear, Action::Inject, Action::Downsample] {
@@ -117,7 +117,7 @@ mod tests {
     fn policies(iterations: usize) -> Policies {
         let text = "(version: 1, size: 16, injectors: [(kind: Wall(side: NegX), color: (1, 0.5, 0))])";
         let preset = Preset::parse(text, Path::new("test")).unwrap();
-        let mut policies = Policies::new(&Scene::build(&preset, Path::new("")).unwrap()).unwrap();
+        let mut policies = Policies::new(&Problem::build(&preset, Path::new("")).unwrap()).unwrap();
         policies.advance(iterations, |_| true);
         policies
     }
@@ -157,7 +157,7 @@ mod tests {
     fn a_policy_that_the_factor_is_too_large_for_is_left_out() {
         let text = "(version: 1, size: 16, injectors: [(kind: Wall(side: NegX))], propagation: (factor: 9.0))";
         let preset = Preset::parse(text, Path::new("test")).unwrap();
-        let policies = Policies::new(&Scene::build(&preset, Path::new("")).unwrap()).unwrap();
+        let policies = Policies::new(&Problem::build(&preset, Path::new("")).unwrap()).unwrap();
         assert_eq!(policies.merged(Policy::Same, LINE).len(), 16);
         assert!(policies.merged(Policy::Consistent, LINE).is_empty());
     }

@@ -3,13 +3,13 @@
 //! - A *uniform* volume is one level of the finest size, propagated on its own. Every level of an octree
 //!   is propagated by itself, so the octree's own finest level is that volume: after the same number of
 //!   iterations it costs nothing more ([`uniform`]).
-//! - Its fixed point is what it holds after all iterations there could be: [`super::converged`].
+//! - Its fixed point is what it holds after all iterations there could be: [`crate::transport::lattice::fixed_point`].
 //! - The *ballistic* reference is not a propagator at all: [`super::ballistic`].
 
 use crate::field::Grid;
-use crate::scene::Scene;
+use crate::scene::Problem;
 use crate::sh::Real;
-use crate::simulation::{Action, Simulation, SimulationError};
+use crate::simulation::{Action, Refusal, Simulation};
 
 /// Each channel's accumulated light in the uniform volume of the same size, scheme and iterations.
 pub fn uniform<T: Real>(simulation: &Simulation<T>) -> Vec<Grid<T>> {
@@ -17,8 +17,8 @@ pub fn uniform<T: Real>(simulation: &Simulation<T>) -> Vec<Grid<T>> {
 }
 
 /// A simulation of the finest level alone, with the scene's light injected and nothing propagated yet.
-pub fn injected<T: Real>(scene: &Scene) -> Result<Simulation<T>, SimulationError> {
-    let mut simulation = Simulation::new(Scene { coarsest: scene.size, ..scene.clone() })?;
+pub fn injected<T: Real>(problem: &Problem) -> Result<Simulation<T>, Refusal> {
+    let mut simulation = Simulation::new(Problem { coarsest: problem.size, ..problem.clone() })?;
     simulation.act(Action::Clear);
     simulation.act(Action::Inject);
     Ok(simulation)

@@ -5,6 +5,7 @@ pub mod active;
 pub mod barrier;
 pub mod exact;
 pub mod face;
+pub mod fixed_point;
 pub mod geometry;
 pub mod kernel;
 pub mod levels;

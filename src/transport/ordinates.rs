@@ -27,7 +27,7 @@ use glam::DVec3;
 use super::team;
 use super::transparency::Transparency;
 use crate::field::Grid;
-use crate::scene::ordinates::{Lattice, Rule, Setting};
+use crate::scene::propagation::ordinates::{Lattice, Rule, Setting};
 use directions::Direction;
 use shares::Shares;
 

@@ -1,7 +1,7 @@
 //! What hard occluders let through, cell by cell.
 
 use crate::field::Cell;
-use crate::scene::Solid;
+use crate::scene::{Problem, Solid};
 
 /// How much of the light that enters a cell of an n³ volume goes on.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,6 +11,11 @@ pub struct Transparency {
 }
 
 impl Transparency {
+    /// What the occluders of `problem` let through; `None` where nothing stands in light's way.
+    pub fn of(problem: &Problem) -> Option<Self> {
+        if problem.has_occluders() { Transparency::new(problem.size, &problem.solids) } else { None }
+    }
+
     /// What `blockers` let through: 1 − opacity each; `None` if there are none.
     pub fn new(n: usize, solids: &[Solid]) -> Option<Self> {
         if solids.is_empty() {

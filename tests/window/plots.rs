@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use egui_kittest::kittest::{NodeT, Queryable};
-use lpv_lab::scene::Scene;
+use lpv_lab::scene::Problem;
 use lpv_lab::simulation::Simulation;
-use lpv_lab::study::ballistic::{self, Ballistic};
+use lpv_lab::study::ballistic;
 use lpv_lab::study::error::Metric;
+use lpv_lab::transport::ballistic::Ballistic;
 use lpv_lab::transport::lattice::schemes;
 
 use crate::driver::*;
@@ -25,11 +26,11 @@ fn errors_against_what_truly_arrives_are_computed_once_and_for_the_past_too() {
     assert_eq!(iterations, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
     // No scalar is worse than the best one: neither 1 nor 0.
     assert!(ratios.iter().zip(&fits).all(|(raw, fitted)| fitted[1] <= raw[1] && fitted[1] <= 1.0));
-    let scene = Scene::build(lab(&harness).preset(), Path::new("")).unwrap();
-    let mut simulation = Simulation::<f32>::new(scene.clone()).unwrap();
+    let problem = Problem::build(lab(&harness).preset(), Path::new("")).unwrap();
+    let mut simulation = Simulation::<f32>::new(problem.clone()).unwrap();
     simulation.run(|_| true);
-    let truth = Ballistic::new(&scene, &|_| true).unwrap().unwrap();
-    assert_eq!(ratios[5][1], ballistic::error(&simulation, &truth).unwrap().l1_ratio);
+    let truth = Ballistic::new(&problem, &|_| true).unwrap();
+    assert_eq!(ratios[5][1], ballistic::error(&simulation, &truth).l1_ratio);
     // Another factor is measured against the same light at once; other light is computed anew.
     set_number(&mut harness, "Factor p", 2.0);
     click(&mut harness, "Run again");

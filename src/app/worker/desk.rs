@@ -5,16 +5,16 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvError, Sender, TryRecvError};
 use std::time::{Duration, Instant};
 
-use super::ledger::Ledger;
-use super::{Load, News, Order, Progress, Start};
-use crate::app::cut;
-use crate::app::look::{Look, Pin};
-use crate::app::track::{Measured, Track};
-use crate::scene::Scene;
+use crate::app::worker::cut;
+use crate::app::worker::ledger::Ledger;
+use crate::app::worker::look::{Look, Pin};
+use crate::app::worker::track::{Measured, Track};
+use crate::app::worker::{Load, News, Order, Progress, Start};
+use crate::scene::Problem;
 use crate::simulation::{Action, Change};
-use crate::study::ballistic::Ballistic;
 use crate::study::error::Metric;
 use crate::study::stability::outlook;
+use crate::transport::ballistic::Ballistic;
 
 /// The least time between two pictures of a run in progress.
 const BETWEEN_PICTURES: Duration = Duration::from_millis(30);
@@ -192,8 +192,8 @@ impl Desk {
 
     /// Takes a reference, if it is that of the scene that runs.
     fn measure_against(&mut self, truth: Option<Arc<Ballistic>>) {
-        let scene = self.tracks.first().map(|track| track.now().scene());
-        self.truth = truth.filter(|truth| scene.is_some_and(|scene| truth.is_of(scene)));
+        let problem = self.tracks.first().map(|track| track.now().problem());
+        self.truth = truth.filter(|truth| problem.is_some_and(|problem| truth.is_of(problem)));
         self.measured.forget(Metric::Ballistic);
     }
 
@@ -249,10 +249,10 @@ impl Desk {
             Ok(tracks) => self.tracks = tracks,
             Err(line) => return self.tell(News::Failed(line)),
         }
-        let scene = self.tracks[0].now().scene();
-        self.truth = self.truth.take().filter(|truth| truth.is_of(scene));
-        self.tell(News::Loaded(Arc::new(scene.clone())));
-        self.brightest = std::array::from_fn(|axis| self.tracks[0].now().scene().brightest_slab(axis));
+        let problem = Arc::clone(self.tracks[0].now().problem());
+        self.truth = self.truth.take().filter(|truth| truth.is_of(&problem));
+        self.brightest = std::array::from_fn(|axis| problem.brightest_slab(axis));
+        self.tell(News::Loaded(problem));
         match load.start {
             Start::Dark => self.tell_progress(None),
             Start::To { iteration, merge } => {
@@ -267,10 +267,10 @@ impl Desk {
 
     /// Tells if light will not end well. That takes longer than many a run, so it does not hold one up.
     fn foretell(&self) {
-        let scenes: Vec<Scene> = self.tracks.iter().map(|track| track.now().scene().clone()).collect();
+        let problems: Vec<Arc<Problem>> = self.tracks.iter().map(|track| Arc::clone(track.now().problem())).collect();
         let (outbox, wake, generation) = (self.outbox.clone(), Arc::clone(&self.wake), self.generation);
         let work = move || {
-            if let Some(line) = scenes.iter().find_map(outlook::warning) {
+            if let Some(line) = problems.iter().find_map(|problem| outlook::warning(problem)) {
                 // The window may be gone by now.
                 let _ = outbox.send((generation, News::Warned(line)));
                 wake();
@@ -282,13 +282,13 @@ impl Desk {
     }
 
     fn tracks_of(&self, load: &Load) -> Result<Vec<Track>, String> {
-        let scene = Scene::build(&load.preset, &load.folder).map_err(|error| error.to_string())?;
-        let others = load.others.iter().filter_map(|rival| rival.scene(&scene));
-        let scenes: Vec<Scene> = std::iter::once(scene.clone()).chain(others).collect();
-        let budget = self.budget / scenes.len();
+        let problem = Problem::build(&load.preset, &load.folder).map_err(|error| error.to_string())?;
+        let others = load.others.iter().filter_map(|rival| rival.problem(&problem));
+        let problems: Vec<Problem> = std::iter::once(problem.clone()).chain(others).collect();
+        let budget = self.budget / problems.len();
         let mut tracks = Vec::new();
-        for scene in scenes {
-            tracks.push(Track::new(scene, budget).map_err(|error| error.to_string())?);
+        for problem in problems {
+            tracks.push(Track::new(problem, budget).map_err(|error| error.to_string())?);
         }
         Ok(tracks)
     }

@@ -3,13 +3,13 @@
 
 use std::time::Instant;
 
-use super::skipping::scene;
+use super::skipping::problem;
 use super::{BenchmarkError, median};
 use crate::simulation::options::{Options, Skip};
 use crate::simulation::{Action, Simulation};
 
 /// One wall, n = 32, p = 3.
-const SCENE: &str = "(version: 1, size: 32, injectors: [(kind: Wall(side: NegX))])";
+const PRESET: &str = "(version: 1, size: 32, injectors: [(kind: Wall(side: NegX))])";
 /// Iterations whose times are taken together.
 const TOGETHER: usize = 100;
 /// How often that is done: 2000 iterations.
@@ -33,7 +33,7 @@ impl Fading {
 
 fn hundreds(skip: Skip) -> Result<Vec<f64>, BenchmarkError> {
     let options = Options { skip, ..Options::default() };
-    let mut simulation = Simulation::<f32>::with_options(scene(SCENE)?, options)?;
+    let mut simulation = Simulation::<f32>::with_options(problem(PRESET)?, options)?;
     for action in [Action::Clear, Action::Inject, Action::Downsample] {
         simulation.act(action);
     }
@@ -57,7 +57,7 @@ mod tests {
 
     #[test]
     fn the_light_it_times_fades_to_nothing_and_never_gets_denormal() {
-        let mut simulation = Simulation::<f32>::new(scene(SCENE).unwrap()).unwrap();
+        let mut simulation = Simulation::<f32>::new(problem(PRESET).unwrap()).unwrap();
         for action in [Action::Clear, Action::Inject, Action::Downsample] {
             simulation.act(action);
         }

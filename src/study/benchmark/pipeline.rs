@@ -2,12 +2,12 @@
 
 use std::time::Instant;
 
-use super::skipping::{bytes, scene};
+use super::skipping::{bytes, problem};
 use super::{BenchmarkError, median};
 use crate::simulation::{Action, Simulation};
 
 /// Two walls and a lobe whose colours are no multiples of each other.
-const SCENE: &str = "(version: 1, size: 32, injectors: [\
+const PRESET: &str = "(version: 1, size: 32, injectors: [\
     (kind: Wall(side: NegX), direction: (1, 0, 0), color: (1, 0.2, 0.1)), \
     (kind: Wall(side: PosX), direction: (-1, 0, 0), color: (0.1, 1, 0.3)), \
     (kind: Single(cell: (16, 16, 16)), direction: (0, 1, 0), color: (0.2, 0.1, 1))])";
@@ -35,7 +35,7 @@ impl Pipeline {
     /// Times so many frames on the current threads.
     pub fn measure(frames: usize) -> Result<Self, BenchmarkError> {
         let threads = rayon::current_num_threads();
-        let mut simulation = Simulation::<f32>::new(scene(SCENE)?)?;
+        let mut simulation = Simulation::<f32>::new(problem(PRESET)?)?;
         let stages: [(&str, &[Action]); 5] = [
             ("clear", &[Action::Clear]),
             ("inject", &[Action::Inject]),

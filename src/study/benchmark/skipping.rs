@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::{BenchmarkError, Sample};
-use crate::scene::Scene;
+use crate::scene::Problem;
 use crate::scene::preset::Preset;
 use crate::simulation::options::{Options, Skip, Wanted};
 use crate::simulation::{Action, Simulation};
@@ -14,16 +14,16 @@ use crate::simulation::{Action, Simulation};
 pub struct Case {
     /// Its name in tables.
     pub name: &'static str,
-    scene: fn(usize) -> String,
+    problem: fn(usize) -> String,
     iterations: usize,
     wanted: Wanted,
     skip: Skip,
 }
 
 /// One lobe in the middle, all levels wanted.
-const LOBE: Case = Case { name: "lobe", scene: lobe, iterations: 8, wanted: Wanted::Everything, skip: ALL };
+const LOBE: Case = Case { name: "lobe", problem: lobe, iterations: 8, wanted: Wanted::Everything, skip: ALL };
 /// Two walls that face each other, only the merged light wanted.
-const WALLS: Case = Case { name: "walls-merged", scene: walls, iterations: 16, wanted: Wanted::Merged, skip: ALL };
+const WALLS: Case = Case { name: "walls-merged", problem: walls, iterations: 16, wanted: Wanted::Merged, skip: ALL };
 
 const ALL: Skip = Skip { reach: true, dark: true, unmerged: true, channels: true };
 const NOTHING: Skip = Skip { channels: true, ..Skip::NOTHING };
@@ -53,9 +53,9 @@ fn walls(n: usize) -> String {
 }
 
 /// A scene written down here.
-pub(super) fn scene(text: &str) -> Result<Scene, BenchmarkError> {
+pub(super) fn problem(text: &str) -> Result<Problem, BenchmarkError> {
     let preset = Preset::parse(text, Path::new("benchmark"))?;
-    Ok(Scene::build(&preset, Path::new(""))?)
+    Ok(Problem::build(&preset, Path::new(""))?)
 }
 
 impl Case {
@@ -63,7 +63,7 @@ impl Case {
     /// simulation's light takes.
     pub fn sample(&self, n: usize) -> Result<(Sample, usize), BenchmarkError> {
         let options = Options { skip: self.skip, ..Options::default() };
-        let mut simulation = Simulation::<f32>::with_options(scene(&(self.scene)(n))?, options)?;
+        let mut simulation = Simulation::<f32>::with_options(problem(&(self.problem)(n))?, options)?;
         for action in [Action::Clear, Action::Inject, Action::Downsample] {
             simulation.act(action);
         }

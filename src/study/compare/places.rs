@@ -2,7 +2,7 @@
 
 use super::ratio;
 use crate::field::{Cell, Layout, Levels};
-use crate::scene::Scene;
+use crate::scene::Problem;
 use crate::transport::lattice::barrier::Barrier;
 use crate::transport::lattice::face::Direction;
 
@@ -17,17 +17,17 @@ pub(super) struct Places {
 }
 
 impl Places {
-    pub(super) fn of(scene: &Scene) -> Self {
-        let n = scene.size;
+    pub(super) fn of(problem: &Problem) -> Self {
+        let n = problem.size;
         let index = |[x, y, z]: Cell| (z * n + y) * n + x;
-        let lit = || scene.sources.iter().flat_map(|source| &source.light).map(|(cell, _)| *cell);
+        let lit = || problem.sources.iter().flat_map(|source| &source.light).map(|(cell, _)| *cell);
         let mut behind = vec![false; n.pow(3)];
         // One level is enough to tell what light can reach; a size that makes none has no cells either.
         if let Some(finest) = Levels::new(n, n) {
-            Barrier::<f32>::new(finest, &scene.solids, lit()).shut().for_each(|cell| behind[index(cell)] = true);
+            Barrier::<f32>::new(finest, &problem.solids, lit()).shut().for_each(|cell| behind[index(cell)] = true);
         }
         let mut before: Vec<bool> = behind.iter().map(|shut| !shut).collect();
-        for blocker in &scene.solids {
+        for blocker in &problem.solids {
             (before[index(blocker.cell)], behind[index(blocker.cell)]) = (false, false);
         }
         Places { n, steps: steps(n, lit().collect()), before, behind }
@@ -98,7 +98,7 @@ mod tests {
     fn places(closed: bool) -> Places {
         let wall = Layout::new(4).cells().filter(|c| c[0] == 1 && (closed || *c != [1, 3, 3]));
         let block = |cell| Solid { cell, normal: DVec3::NEG_X, opacity: 1.0, albedo: [0.0; 3] };
-        Places::of(&Scene {
+        Places::of(&Problem {
             size: 4,
             coarsest: 1,
             sources: vec![Source { color: [1.0; 3], light: vec![([0; 3], Sh::lobe(DVec3::X))] }],

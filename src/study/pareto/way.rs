@@ -4,16 +4,16 @@ use std::time::Instant;
 
 use crate::field::Grid;
 use crate::scene::occluder::OcclusionMode;
-use crate::scene::ordinates::Lattice;
-use crate::scene::ordinates::Rule;
 use crate::scene::propagation::Policy;
 use crate::scene::propagation::Snapshots;
-use crate::scene::{Propagation, Scene};
+use crate::scene::propagation::ordinates::Lattice;
+use crate::scene::propagation::ordinates::Rule;
+use crate::scene::{Problem, Propagation};
 use crate::simulation::options::Wanted;
-use crate::simulation::{Simulation, SimulationError};
+use crate::simulation::{Refusal, Simulation};
 use crate::study::ballistic;
-use crate::study::converged::{Refusal, Solver};
 use crate::study::reference;
+use crate::transport::lattice::fixed_point::{NoFixedPoint, Solver};
 use crate::transport::lattice::schemes;
 use crate::transport::ordinates::{Ordinates, Room};
 use crate::transport::transparency::Transparency;
@@ -34,7 +34,7 @@ pub(super) enum Way {
 
 /// What every way starts from.
 pub(super) struct Start {
-    scene: Scene,
+    problem: Problem,
     pub(super) injected: Simulation<f32>,
     occluders: Option<Transparency>,
 }
@@ -50,26 +50,26 @@ pub(super) struct Outcome {
 }
 
 impl Start {
-    pub(super) fn new(scene: &Scene) -> Result<Self, SimulationError> {
-        let scene = with(scene, schemes::names()[0], "uniform", 0);
-        let blocks = scene.occlusion.mode != OcclusionMode::Off;
-        let occluders = Transparency::new(scene.size, if blocks { &scene.solids } else { &[] });
-        Ok(Start { injected: reference::injected(&scene)?, occluders, scene })
+    pub(super) fn new(problem: &Problem) -> Result<Self, Refusal> {
+        let problem = with(problem, schemes::names()[0], "uniform", 0);
+        let blocks = problem.occlusion.mode != OcclusionMode::Off;
+        let occluders = Transparency::new(problem.size, if blocks { &problem.solids } else { &[] });
+        Ok(Start { injected: reference::injected(&problem)?, occluders, problem })
     }
 }
 
 /// The scene under a scheme, everything summed: `levels` is uniform for a single level, or a policy's name.
-pub(super) fn with(scene: &Scene, scheme: &str, levels: &str, iterations: usize) -> Scene {
+pub(super) fn with(problem: &Problem, scheme: &str, levels: &str, iterations: usize) -> Problem {
     let policy = Policy::ALL.into_iter().find(|policy| policy.name() == levels);
     let propagation = Propagation {
         scheme: scheme.to_owned(),
         iterations,
         levels: policy.unwrap_or_default(),
         snapshots: Snapshots::Thesis,
-        ..scene.propagation.clone()
+        ..problem.propagation.clone()
     };
-    let coarsest = if policy.is_some() { 1 } else { scene.size };
-    Scene { coarsest, propagation, ..scene.clone() }
+    let coarsest = if policy.is_some() { 1 } else { problem.size };
+    Problem { coarsest, propagation, ..problem.clone() }
 }
 
 /// Every way there is.
@@ -108,23 +108,23 @@ impl Way {
     }
 
     /// From the injected light to what becomes of it.
-    pub(super) fn go(&self, start: &Start) -> Result<Outcome, Refusal> {
-        let Start { scene, injected, occluders } = start;
+    pub(super) fn go(&self, start: &Start) -> Result<Outcome, NoFixedPoint> {
+        let Start { problem, injected, occluders } = start;
         let lights = injected.lights().iter().map(|light| light.source.level(0));
         match self {
             Way::Iterate { scheme, levels, iterations } => {
-                let mut simulation = Simulation::<f32>::new(with(scene, scheme, levels, *iterations))?;
+                let mut simulation = Simulation::<f32>::new(with(problem, scheme, levels, *iterations))?;
                 let started = Instant::now();
                 simulation.run_all(Wanted::Merged);
                 let seconds = started.elapsed().as_secs_f64();
                 let merged = simulation.lights().iter().filter_map(|light| light.merged.clone());
-                let moved = ballistic::moved(&simulation)?;
+                let moved = ballistic::moved(&simulation);
                 Ok(Outcome { all: Some(merged.collect()), moved, iterations: *iterations, seconds })
             }
             Way::Solve { scheme, tolerance } => {
-                let scene = with(scene, scheme, "uniform", 0);
-                let mut solver = Solver::for_scene(&scene)?;
-                let mut all: Vec<Grid<f32>> = lights.clone().map(|_| Grid::new(scene.size)).collect();
+                let problem = with(problem, scheme, "uniform", 0);
+                let mut solver = Solver::for_problem(&problem)?;
+                let mut all: Vec<Grid<f32>> = lights.clone().map(|_| Grid::new(problem.size)).collect();
                 let mut iterations = 0;
                 let started = Instant::now();
                 for (light, all) in lights.clone().zip(&mut all) {
@@ -139,8 +139,8 @@ impl Way {
                 Ok(Outcome { all: Some(all), moved, iterations, seconds })
             }
             Way::Ordinates(_, ordinates) => {
-                let mut room = Room::new(scene.size);
-                let mut moved: Vec<Grid<f32>> = lights.clone().map(|_| Grid::new(scene.size)).collect();
+                let mut room = Room::new(problem.size);
+                let mut moved: Vec<Grid<f32>> = lights.clone().map(|_| Grid::new(problem.size)).collect();
                 let started = Instant::now();
                 for (light, moved) in lights.zip(&mut moved) {
                     ordinates.solve_in(&mut room, light, occluders.as_ref(), moved);

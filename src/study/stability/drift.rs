@@ -24,9 +24,9 @@
 
 use crate::field::Grid;
 use crate::scene::Propagation;
-use crate::scene::{Occlusion, Scene, Source};
+use crate::scene::{Occlusion, Problem, Source};
 use crate::sh::{LOBE0, LOBE1, Real, Sh};
-use crate::simulation::{Action, Simulation, SimulationError};
+use crate::simulation::{Action, Refusal, Simulation};
 use crate::transport::lattice::scheme::Scheme;
 use crate::transport::lattice::stencil::Stencil;
 
@@ -67,9 +67,9 @@ pub struct DriftRow {
 
 impl LongRun<'_> {
     /// Runs in both precisions side by side.
-    pub fn run(&self) -> Result<Vec<DriftRow>, SimulationError> {
-        let mut single = Simulation::<f32>::new(self.scene())?;
-        let mut double = Simulation::<f64>::new(self.scene())?;
+    pub fn run(&self) -> Result<Vec<DriftRow>, Refusal> {
+        let mut single = Simulation::<f32>::new(self.problem())?;
+        let mut double = Simulation::<f64>::new(self.problem())?;
         single.act(Action::Inject);
         double.act(Action::Inject);
         let step_bound = rounding(&Stencil::<f64>::new(self.scheme, self.factor, true));
@@ -98,9 +98,9 @@ impl LongRun<'_> {
         Ok(rows)
     }
 
-    fn scene(&self) -> Scene {
+    fn problem(&self) -> Problem {
         let middle = [self.size / 2; 3];
-        Scene {
+        Problem {
             size: self.size,
             coarsest: self.size,
             sources: vec![Source { color: [1.0; 3], light: vec![(middle, Sh::lobe(glam::DVec3::X))] }],

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use super::level::{critical, long_run_growth, without_borders};
 use crate::field::Levels;
-use crate::scene::{Propagation, Scene};
+use crate::scene::{Problem, Propagation};
 use crate::simulation::limit;
 use crate::transport::lattice::levels::{LevelOperator, operators};
 use crate::transport::lattice::scheme::Scheme;
@@ -51,26 +51,27 @@ pub fn exceeded(propagation: &Propagation, size: usize, coarsest: usize) -> Opti
 
 /// The outlook of every level of a scene, occluders aside: they remove light, and only a bounce, which
 /// the preset must ask for, gives some back. Empty where the scene cannot be run.
-pub fn levels(scene: &Scene) -> Vec<Outlook> {
-    let Some((scheme, sizes, operators)) = parts(&scene.propagation, scene.size, scene.coarsest) else {
+pub fn levels(problem: &Problem) -> Vec<Outlook> {
+    let Some((scheme, sizes, operators)) = parts(&problem.propagation, problem.size, problem.coarsest) else {
         return Vec::new();
     };
-    let outlook =
-        |(level, operator): (usize, LevelOperator<f64>)| of_level(scene, &scheme, level, sizes.side(level), &operator);
+    let outlook = |(level, operator): (usize, LevelOperator<f64>)| {
+        of_level(problem, &scheme, level, sizes.side(level), &operator)
+    };
     operators.into_iter().enumerate().map(outlook).collect()
 }
 
-fn of_level(scene: &Scene, scheme: &Scheme, level: usize, side: usize, operator: &LevelOperator<f64>) -> Outlook {
-    let propagation = &scene.propagation;
+fn of_level(problem: &Problem, scheme: &Scheme, level: usize, side: usize, operator: &LevelOperator<f64>) -> Outlook {
+    let propagation = &problem.propagation;
     let growth = long_run_growth(&operator.stencil, side);
     let critical = critical(scheme, propagation.clamp, propagation.levels, level, side);
-    Outlook { level, side, critical, growth, overflow: overflow(scene, level, side, growth) }
+    Outlook { level, side, critical, growth, overflow: overflow(problem, level, side, growth) }
 }
 
 /// The level whose numbers overflow first, if any does. A factor that is safe in a volume without borders
 /// is safe on every level, and costs nothing to tell.
-pub fn first_to_overflow(scene: &Scene) -> Option<Outlook> {
-    let (scheme, sizes, operators) = parts(&scene.propagation, scene.size, scene.coarsest)?;
+pub fn first_to_overflow(problem: &Problem) -> Option<Outlook> {
+    let (scheme, sizes, operators) = parts(&problem.propagation, problem.size, problem.coarsest)?;
     let mut first: Option<(usize, usize)> = None;
     for (level, operator) in operators.iter().enumerate() {
         if without_borders(&operator.stencil) <= 1.0 {
@@ -79,22 +80,22 @@ pub fn first_to_overflow(scene: &Scene) -> Option<Outlook> {
         let side = sizes.side(level);
         let growth = long_run_growth(&operator.stencil, side);
         let sooner = |k: &usize| first.is_none_or(|(earliest, _)| *k < earliest);
-        if let Some(k) = overflow(scene, level, side, growth).filter(sooner) {
+        if let Some(k) = overflow(problem, level, side, growth).filter(sooner) {
             first = Some((k, level));
         }
     }
     let (_, level) = first?;
-    Some(of_level(scene, &scheme, level, sizes.side(level), &operators[level]))
+    Some(of_level(problem, &scheme, level, sizes.side(level), &operators[level]))
 }
 
 /// What people are told before a scene runs, if a level of it will overflow.
-pub fn warning(scene: &Scene) -> Option<String> {
-    let found = first_to_overflow(scene)?;
+pub fn warning(problem: &Problem) -> Option<String> {
+    let found = first_to_overflow(problem)?;
     let percent = 100.0 * (found.growth - 1.0);
     Some(format!(
         "the factor {} exceeds {:.2}, the critical one of level {} ({}³): its light grows by {percent:.2} % an iteration \
          and will overflow about iteration {}",
-        scene.propagation.factor, found.critical, found.level, found.side, found.overflow?
+        problem.propagation.factor, found.critical, found.level, found.side, found.overflow?
     ))
 }
 
@@ -109,14 +110,14 @@ fn parts(propagation: &Propagation, size: usize, coarsest: usize) -> Option<(Sch
 /// The iteration in which the accumulated light reaches what f32 may hold. What grows is the share of the
 /// injected light in the slowest mode, a product of sines; the sum of its powers is g/(g − 1) times the
 /// last.
-fn overflow(scene: &Scene, level: usize, side: usize, growth: f64) -> Option<usize> {
+fn overflow(problem: &Problem, level: usize, side: usize, growth: f64) -> Option<usize> {
     if growth <= 1.0 {
         return None;
     }
     let sine = |c: usize| (PI * ((c >> level) + 1) as f64 / (side + 1) as f64).sin();
     let children = 8f64.powi(i32::try_from(level).ok()?);
     let mut amplitude = 0.0;
-    for source in &scene.sources {
+    for source in &problem.sources {
         let color = source.color.into_iter().fold(0.0, f64::max);
         for (cell, light) in &source.light {
             amplitude += color * light.0[0].abs() * cell.map(sine).iter().product::<f64>() / children;
@@ -136,9 +137,9 @@ mod tests {
     use crate::scene::{Occlusion, Source};
     use crate::sh::Sh;
 
-    fn scene(size: usize, factor: f64) -> Scene {
+    fn problem(size: usize, factor: f64) -> Problem {
         let light = vec![([size / 2; 3], Sh::lobe(glam::DVec3::X)), ([0; 3], Sh::lobe(glam::DVec3::Y))];
-        Scene {
+        Problem {
             size,
             coarsest: 1,
             sources: vec![Source { color: [1.0, 0.5, 0.0], light }],
@@ -151,13 +152,13 @@ mod tests {
     #[test]
     fn only_levels_above_their_critical_factor_overflow() {
         // MATH.md section 2: 4.33 at 8³, 5.22 at 4³, 9.53 at 2³.
-        assert_eq!(first_to_overflow(&scene(8, 4.0)), None);
-        assert_eq!(first_to_overflow(&scene(8, 4.25)), None);
-        let found = levels(&scene(8, 5.0));
+        assert_eq!(first_to_overflow(&problem(8, 4.0)), None);
+        assert_eq!(first_to_overflow(&problem(8, 4.25)), None);
+        let found = levels(&problem(8, 5.0));
         assert_eq!(found.iter().map(|level| level.side).collect::<Vec<_>>(), [8, 4, 2, 1]);
         assert_eq!(found.iter().map(|level| level.overflow.is_some()).collect::<Vec<_>>(), [true, false, false, false]);
         assert_eq!(found[3].growth, 0.0);
-        assert_eq!(first_to_overflow(&scene(8, 20.0)).map(|level| level.level), Some(0));
+        assert_eq!(first_to_overflow(&problem(8, 20.0)).map(|level| level.level), Some(0));
     }
 
     #[test]
@@ -174,10 +175,10 @@ mod tests {
     #[test]
     fn light_diverges_when_the_outlook_says() {
         for (size, factor) in [(4, 6.0), (8, 5.0), (8, 12.0), (16, 4.5)] {
-            let mut scene = scene(size, factor);
-            scene.propagation.iterations = 5000;
-            let told = first_to_overflow(&scene).and_then(|outlook| outlook.overflow).unwrap();
-            let mut simulation = crate::simulation::Simulation::<f32>::new(scene).unwrap();
+            let mut problem = problem(size, factor);
+            problem.propagation.iterations = 5000;
+            let told = first_to_overflow(&problem).and_then(|outlook| outlook.overflow).unwrap();
+            let mut simulation = crate::simulation::Simulation::<f32>::new(problem).unwrap();
             simulation.run(|_| true);
             let found = simulation.divergence().unwrap().iteration;
             assert!(found.abs_diff(told) <= 3 + told / 20, "{size}³ at {factor}: {told} told, {found} found");

@@ -7,8 +7,8 @@ use std::fmt;
 use std::path::Path;
 
 use crate::scene::occluder::OcclusionMode;
-use crate::scene::{Preset, Propagation, Scene};
-use crate::simulation::{Action, Simulation, SimulationError};
+use crate::scene::{Preset, Problem, Propagation};
+use crate::simulation::{Action, Refusal, Simulation};
 use crate::transport::lattice::levels::operators;
 use crate::transport::lattice::scheme::{Scheme, Surface};
 use crate::transport::lattice::schemes;
@@ -101,7 +101,7 @@ pub struct Report {
 
 /// A scene and what is known of it before it runs.
 struct Case {
-    scene: Scene,
+    problem: Problem,
     scheme: Scheme,
     /// Every face is clamped, so that light is a sum of lobes with weights of zero or more.
     clamped: bool,
@@ -111,17 +111,17 @@ struct Case {
 
 impl Case {
     fn new(preset: &Preset) -> Result<Self, String> {
-        let scene = Scene::build(preset, Path::new("")).map_err(|error| error.to_string())?;
-        let scheme = schemes::find(&scene.propagation.scheme).ok_or("the scheme is not known")?;
-        let clamped = scene.propagation.clamp && scheme.faces.iter().all(|face| face.clamp);
-        let free = scene.solids.is_empty() || scene.occlusion.mode == OcclusionMode::Off;
-        Ok(Case { scene, scheme, clamped, free })
+        let problem = Problem::build(preset, Path::new("")).map_err(|error| error.to_string())?;
+        let scheme = schemes::find(&problem.propagation.scheme).ok_or("the scheme is not known")?;
+        let clamped = problem.propagation.clamp && scheme.faces.iter().all(|face| face.clamp);
+        let free = problem.solids.is_empty() || problem.occlusion.mode == OcclusionMode::Off;
+        Ok(Case { problem, scheme, clamped, free })
     }
 
     /// The operator of every level.
-    fn stencils(&self) -> Result<Vec<Stencil<f64>>, SimulationError> {
-        let Propagation { factor, clamp, levels, .. } = self.scene.propagation;
-        let count = (self.scene.size / self.scene.coarsest).ilog2() as usize + 1;
+    fn stencils(&self) -> Result<Vec<Stencil<f64>>, Refusal> {
+        let Propagation { factor, clamp, levels, .. } = self.problem.propagation;
+        let count = (self.problem.size / self.problem.coarsest).ilog2() as usize + 1;
         let operators = operators(&self.scheme, factor, clamp, levels, count)?;
         Ok(operators.into_iter().map(|operator| operator.stencil).collect())
     }
@@ -134,7 +134,7 @@ impl Case {
             Invariant::NonNegative | Invariant::Accumulates => self.clamped,
             // Reflected light is new light.
             Invariant::Energy => self.clamped && (self.free || self.reflects_nothing()),
-            Invariant::Precision => self.clamped && self.free && self.scene.propagation.factor <= 16.0,
+            Invariant::Precision => self.clamped && self.free && self.problem.propagation.factor <= 16.0,
             Invariant::Symmetry => self.free,
             Invariant::Converges => settled,
         };
@@ -142,7 +142,7 @@ impl Case {
     }
 
     fn reflects_nothing(&self) -> bool {
-        self.scene.occlusion.bounce == 0.0 && self.scheme.surface == Surface::Blocked
+        self.problem.occlusion.bounce == 0.0 && self.scheme.surface == Surface::Blocked
     }
 }
 
@@ -155,13 +155,13 @@ pub fn check(preset: &Preset) -> Report {
         Err(how) => return Report { broken: runs(how), ..report },
     };
     let started = || {
-        let (narrow, wide) = (Simulation::new(case.scene.clone())?, Simulation::new(case.scene.clone())?);
+        let (narrow, wide) = (Simulation::new(case.problem.clone())?, Simulation::new(case.problem.clone())?);
         Ok((narrow, wide, case.stencils()?))
     };
     let (mut narrow, mut wide, stencils) = match started() {
         Ok(started) => started,
         // Some factors have no operator on coarse levels; that is refused by name.
-        Err(SimulationError::TooLarge(_)) => return report,
+        Err(Refusal::TooLarge(_)) => return report,
         Err(error) => return Report { broken: runs(error.to_string()), ..report },
     };
     report.checked = case.rules();
@@ -188,7 +188,7 @@ fn step_through(
     }
     let mut watch = steps::Watch::new(case, stencils, narrow);
     watch.check(rules, narrow, wide)?;
-    for _ in 0..case.scene.propagation.iterations {
+    for _ in 0..case.problem.propagation.iterations {
         narrow.act(Action::Propagate);
         if narrow.divergence().is_some() {
             break;

@@ -136,14 +136,14 @@ fn direction(random: &mut Random) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Scene;
+    use crate::scene::Problem;
 
     #[test]
     fn every_preset_is_one_that_a_file_could_hold() {
         for seed in 0..300 {
             let preset = preset(&mut Random::new(seed));
             assert_eq!(preset.check(), Ok(()));
-            assert!(Scene::build(&preset, std::path::Path::new("")).is_ok());
+            assert!(Problem::build(&preset, std::path::Path::new("")).is_ok());
             assert_eq!(Preset::parse(&preset.to_ron(), std::path::Path::new("p.ron")).as_ref(), Ok(&preset));
         }
     }

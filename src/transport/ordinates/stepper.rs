@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::{Group, LANES, Lanes, Octant, Ordinates};
 use crate::field::{Cell, Grid, Layout};
-use crate::scene::ordinates::Rule;
+use crate::scene::propagation::ordinates::Rule;
 use crate::sh::{K0, K1, Sh};
 use crate::transport::transparency::Transparency;
 
@@ -156,7 +156,7 @@ fn arrive((octant, group): (&Octant, &Group), under_way: &[Came], arrived: &mut 
 mod tests {
     use super::*;
     use crate::scene::Solid;
-    use crate::scene::ordinates::Lattice;
+    use crate::scene::propagation::ordinates::Lattice;
     use glam::DVec3;
 
     #[test]

@@ -5,15 +5,15 @@ mod scratch;
 
 use libfuzzer_sys::fuzz_target;
 use lpv_lab::scene::occluder::{Occluder, OccluderKind};
-use lpv_lab::scene::{Preset, Scene};
+use lpv_lab::scene::{Preset, Problem};
 
 fuzz_target!(|bytes: &[u8]| {
     let path = scratch::file("walls.csv", bytes);
     let occluder = Occluder::new(OccluderKind::File { path: "walls.csv".into() });
     let preset = Preset { size: 4, occluders: vec![occluder], ..Preset::default() };
-    match Scene::build(&preset, path.parent().expect("a folder")) {
-        Ok(scene) => {
-            for blocker in &scene.solids {
+    match Problem::build(&preset, path.parent().expect("a folder")) {
+        Ok(problem) => {
+            for blocker in &problem.solids {
                 assert!(blocker.cell.iter().all(|c| *c < 4) && (0.0..=1.0).contains(&blocker.opacity));
                 assert!(blocker.normal.is_finite() && blocker.normal.length() < 1.0 + 1e-9);
             }

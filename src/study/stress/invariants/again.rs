@@ -2,7 +2,7 @@
 
 use super::{Broken, Case, Invariant};
 use crate::field::{Cell, Grid};
-use crate::scene::Scene;
+use crate::scene::Problem;
 use crate::sh::Sh;
 use crate::simulation::{Action, Simulation};
 use crate::study::random::Random;
@@ -29,7 +29,7 @@ pub fn check(case: &Case, rules: &[Invariant], narrow: &Simulation<f32>, wide: &
 
 fn runs_again(case: &Case, stepped: &Simulation<f32>) -> Result<(), Broken> {
     let broken = |how: String| Broken { invariant: Invariant::Again, how };
-    let mut whole = Simulation::<f32>::new(case.scene.clone()).map_err(|error| broken(error.to_string()))?;
+    let mut whole = Simulation::<f32>::new(case.problem.clone()).map_err(|error| broken(error.to_string()))?;
     whole.run(|_| true);
     if whole.iteration() != stepped.iteration() {
         return Err(broken(format!("{} iterations, then {}", stepped.iteration(), whole.iteration())));
@@ -65,10 +65,10 @@ impl Symmetry {
         Sh([light.0[0], turned(0), turned(1), turned(2)])
     }
 
-    fn scene(self, scene: &Scene) -> Scene {
-        let mut turned = scene.clone();
+    fn problem(self, problem: &Problem) -> Problem {
+        let mut turned = problem.clone();
         for (cell, light) in turned.sources.iter_mut().flat_map(|source| &mut source.light) {
-            (*cell, *light) = (self.cell(scene.size, *cell), self.light(*light));
+            (*cell, *light) = (self.cell(problem.size, *cell), self.light(*light));
         }
         turned
     }
@@ -77,10 +77,11 @@ impl Symmetry {
 /// Turns the scene by a symmetry that follows from its own numbers, so that the same scene is turned the
 /// same way.
 fn turned(case: &Case, straight: &Simulation<f64>) -> Result<(), Broken> {
-    let propagation = &case.scene.propagation;
-    let symmetry = Symmetry::random(&mut Random::new(propagation.factor.to_bits() ^ case.scene.size as u64));
+    let propagation = &case.problem.propagation;
+    let symmetry = Symmetry::random(&mut Random::new(propagation.factor.to_bits() ^ case.problem.size as u64));
     let broken = |how: String| Broken { invariant: Invariant::Symmetry, how };
-    let mut turned = Simulation::<f64>::new(symmetry.scene(&case.scene)).map_err(|error| broken(error.to_string()))?;
+    let mut turned =
+        Simulation::<f64>::new(symmetry.problem(&case.problem)).map_err(|error| broken(error.to_string()))?;
     turned.run(|_| true);
     for (channel, (a, b)) in straight.lights().iter().zip(turned.lights()).enumerate() {
         for (level, (a, b)) in a.accumulated.levels().iter().zip(b.accumulated.levels()).enumerate() {
@@ -102,22 +103,22 @@ fn turned(case: &Case, straight: &Simulation<f64>) -> Result<(), Broken> {
 
 /// Whether light can be followed until it settles: a small volume below its critical factor.
 pub fn settles(case: &Case) -> bool {
-    let size = case.scene.size;
+    let size = case.problem.size;
     if !case.clamped || !case.free || !(2..=LARGEST_SETTLED).contains(&size) {
         return false;
     }
     let (_, critical) = stability::of_scheme(&case.scheme, &[size]).critical[0];
-    case.scene.propagation.factor < NEAR * critical
+    case.problem.propagation.factor < NEAR * critical
 }
 
 /// Light of all but the slowest mode dies out in some n² iterations; from then on two iterations always
 /// leave less than there was.
 fn converges(case: &Case) -> Result<(), Broken> {
     let broken = |how: String| Broken { invariant: Invariant::Converges, how };
-    let mut simulation = Simulation::<f64>::new(case.scene.clone()).map_err(|error| broken(error.to_string()))?;
+    let mut simulation = Simulation::<f64>::new(case.problem.clone()).map_err(|error| broken(error.to_string()))?;
     simulation.act(Action::Inject);
     let energy = |s: &Simulation<f64>| s.lights().iter().map(|l| Grid::energy(l.source.level(0))).sum::<f64>();
-    for _ in 0..20 * case.scene.size.pow(2) {
+    for _ in 0..20 * case.problem.size.pow(2) {
         simulation.act(Action::Propagate);
     }
     for _ in 0..10 {
@@ -144,7 +145,7 @@ mod tests {
     }
 
     fn run<T: crate::sh::Real>(case: &Case) -> Simulation<T> {
-        let mut simulation = Simulation::new(case.scene.clone()).unwrap();
+        let mut simulation = Simulation::new(case.problem.clone()).unwrap();
         simulation.run(|_| true);
         simulation
     }
@@ -162,7 +163,7 @@ mod tests {
     fn light_above_the_critical_factor_does_not_converge() {
         let mut growing = case("(0, 1, 2)", 6);
         assert!(settles(&growing) && converges(&growing).is_ok());
-        growing.scene.propagation.factor = 5.5; // 5.22 is critical for 4³, MATH.md section 2.
+        growing.problem.propagation.factor = 5.5; // 5.22 is critical for 4³, MATH.md section 2.
         assert!(!settles(&growing) && converges(&growing).is_err());
     }
 }

@@ -48,7 +48,7 @@ impl Watch {
             accumulated: Vec::new(),
             gain: stencils.iter().map(greatest_gain).collect(),
             rounding: stencils.iter().map(rounding).collect(),
-            copies_first: case.scene.propagation.snapshots == Snapshots::CopyFirst,
+            copies_first: case.problem.propagation.snapshots == Snapshots::CopyFirst,
             reflects: !case.free && !case.reflects_nothing(),
         }
     }
@@ -169,7 +169,7 @@ mod tests {
     }
 
     fn simulation<T: crate::sh::Real>(case: &Case, actions: &[Action]) -> Simulation<T> {
-        let mut simulation = Simulation::new(case.scene.clone()).unwrap();
+        let mut simulation = Simulation::new(case.problem.clone()).unwrap();
         for action in actions {
             simulation.act(*action);
         }

@@ -1,0 +1,286 @@
+//! The three-dimensional view: lit cells as shaded cubes or small lobes, seen from any side.
+
+use std::sync::Arc;
+
+use egui::{Color32, Mesh, Pos2, Rect, Sense, Shape, Ui, Vec2, vec2};
+use glam::{Mat3, Vec3, vec3};
+
+use crate::app::draw::ink::{Ink, color};
+use crate::app::session::view::View;
+use crate::app::worker::look::{Cloud, CloudCell};
+use crate::report::colour::{Paint, Rgb, Theme};
+use crate::report::glyph::{GlyphScale, Glyphs, Outline, peak};
+use crate::report::slice::{Axis, Plane};
+use crate::sh::Sh;
+
+/// The eye's distance from the middle of the volume, in sides of the volume.
+const DISTANCE: f32 = 3.0;
+/// Points in the outline of a lobe.
+const LOBE_POINTS: usize = 16;
+
+/// Where the eye is, and what is drawn of a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Eye {
+    /// Turned about the upright axis, in radians.
+    pub yaw: f32,
+    /// Raised above the horizon, in radians.
+    pub pitch: f32,
+    /// How much larger than fitting.
+    pub zoom: f32,
+    /// How far the middle is moved on screen, in shares of the view.
+    pub pan: Vec2,
+    /// Lobes in place of cubes.
+    pub lobes: bool,
+    /// The share of the strongest light below which cells are left out.
+    pub threshold: f32,
+}
+
+impl Default for Eye {
+    fn default() -> Self {
+        Eye { yaw: -0.55, pitch: 0.45, zoom: 1.0, pan: Vec2::ZERO, lobes: false, threshold: 0.01 }
+    }
+}
+
+/// How places in the volume come on screen.
+struct Projection {
+    turn: Mat3,
+    centre: Pos2,
+    scale: f32,
+    side: f32,
+}
+
+impl Projection {
+    fn new(eye: &Eye, rect: Rect, side: usize) -> Self {
+        // y is up in the volume; the eye looks along −z of its own frame.
+        let turn = Mat3::from_rotation_x(eye.pitch) * Mat3::from_rotation_y(eye.yaw);
+        let extent = rect.width().min(rect.height());
+        Projection { turn, centre: rect.center() + eye.pan * extent, scale: extent * 0.5 * eye.zoom, side: side as f32 }
+    }
+
+    /// A place in finest cells, in the eye's frame: the volume's middle at 0, its side 1, z towards the eye.
+    fn seen(&self, at: Vec3) -> Vec3 {
+        self.turn * ((at - Vec3::splat(self.side / 2.0)) / self.side)
+    }
+
+    /// A place in the eye's frame, on screen, with how much larger than in the middle things are there.
+    fn screen(&self, seen: Vec3) -> (Pos2, f32) {
+        let nearness = DISTANCE / (DISTANCE - seen.z).max(0.1);
+        (self.centre + vec2(seen.x, -seen.y) * self.scale * nearness, nearness)
+    }
+
+    fn at(&self, at: Vec3) -> Pos2 {
+        self.screen(self.seen(at)).0
+    }
+}
+
+/// The view's own state.
+#[derive(Default)]
+pub struct Space {
+    /// Where the eye is.
+    pub eye: Eye,
+    drawn: Option<(Key, Arc<Mesh>)>,
+}
+
+/// Everything that the drawn mesh depends on.
+#[derive(Clone)]
+struct Key {
+    cloud: Arc<Cloud>,
+    eye: Eye,
+    rect: Rect,
+    view: View,
+    dark: bool,
+}
+
+impl PartialEq for Key {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.cloud, &other.cloud)
+            && self.eye == other.eye
+            && self.rect == other.rect
+            && self.view == other.view
+            && self.dark == other.dark
+    }
+}
+
+impl Space {
+    /// Draws the cloud in all the room there is.
+    pub fn ui(&mut self, ui: &mut Ui, cloud: &Arc<Cloud>, view: &View, theme: &Theme) {
+        let rect = ui.available_rect_before_wrap();
+        let response = ui.allocate_rect(rect, Sense::click_and_drag());
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "View: the light in space"));
+        self.steer(ui, rect, &response);
+        let painter = ui.painter_at(rect);
+        painter.rect_filled(rect, 0.0, color(theme.ground));
+        let key = Key { cloud: Arc::clone(cloud), eye: self.eye, rect, view: view.clone(), dark: theme.dark };
+        if self.drawn.as_ref().is_none_or(|(drawn, _)| *drawn != key) {
+            let mesh = draw(&key, theme);
+            self.drawn = Some((key, Arc::new(mesh)));
+        }
+        let projection = Projection::new(&self.eye, rect, cloud.side.max(1));
+        frame(&painter, &projection, view.plane(), theme, false);
+        if let Some((_, mesh)) = &self.drawn {
+            painter.add(Shape::mesh(Arc::clone(mesh)));
+        }
+        frame(&painter, &projection, view.plane(), theme, true);
+    }
+
+    fn steer(&mut self, ui: &Ui, rect: Rect, response: &egui::Response) {
+        let eye = &mut self.eye;
+        if response.dragged_by(egui::PointerButton::Primary) && !ui.input(|input| input.modifiers.shift) {
+            let drag = response.drag_delta() * 0.01;
+            eye.yaw += drag.x;
+            eye.pitch = (eye.pitch + drag.y).clamp(-1.55, 1.55);
+        } else if response.dragged() {
+            eye.pan += response.drag_delta() / rect.width().min(rect.height());
+        }
+        if response.hovered() {
+            let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+            eye.zoom = (eye.zoom * pinch * (scroll * 0.004).exp()).clamp(0.3, 20.0);
+        }
+        if response.double_clicked() {
+            *eye = Eye { lobes: eye.lobes, threshold: eye.threshold, ..Eye::default() };
+        }
+    }
+}
+
+/// Something that hides what is behind it.
+enum Solid<'a> {
+    Lit(&'a CloudCell),
+    Occupied([f32; 3]),
+}
+
+/// The cells, the farthest first.
+fn draw(key: &Key, theme: &Theme) -> Mesh {
+    let projection = Projection::new(&key.eye, key.rect, key.cloud.side.max(1));
+    let depth = |centre: [f32; 3]| projection.seen(Vec3::from(centre)).z;
+    let occupied: &[[f32; 3]] = if key.view.occluders { &key.cloud.occupied } else { &[] };
+    let lit = key.cloud.cells.iter().map(|cell| (depth(cell.centre), Solid::Lit(cell)));
+    let mut cells: Vec<(f32, Solid)> = lit.collect();
+    cells.extend(occupied.iter().map(|centre| (depth(*centre), Solid::Occupied(*centre))));
+    cells.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let strongest = key.cloud.cells.iter().map(|cell| peak(key.view.hue().of(cell.light), Axis::Z)).fold(0.0, f32::max);
+    let full = strongest.max(f32::MIN_POSITIVE);
+    let scale = match key.view.scaling {
+        crate::app::session::view::Scaling::Linear => GlyphScale::Linear { full },
+        crate::app::session::view::Scaling::Log => GlyphScale::Log { full, decades: key.view.decades },
+        crate::app::session::view::Scaling::PerGlyph => GlyphScale::PerGlyph,
+    };
+    let mut ink = Ink::default();
+    let mut pen = Pen {
+        glyphs: Glyphs::new(Axis::Z, scale, LOBE_POINTS),
+        outline: Outline::default(),
+        positive: color(theme.glyph),
+        negative: color(theme.negative),
+    };
+    for (_, solid) in cells {
+        let cell = match solid {
+            Solid::Lit(cell) => cell,
+            Solid::Occupied(centre) => {
+                cube(&mut ink, &projection, centre, 1.0, theme.muted, theme);
+                continue;
+            }
+        };
+        let light = key.view.hue().of(cell.light);
+        let share = scale.share(peak(light, Axis::Z), full).clamp(0.0, 1.0);
+        let paint = match key.view.paint() {
+            // One colour alone would hide how strong the light is.
+            Paint::Single if !key.eye.lobes => theme.glyph.towards(theme.ground, 0.75 * (1.0 - share)),
+            paint => paint.glyph(theme, cell.light, light, key.view.axis(), share),
+        };
+        if key.eye.lobes {
+            pen.positive = color(paint);
+            lobe(&mut ink, &projection, cell, light, &mut pen);
+        } else {
+            cube(&mut ink, &projection, cell.centre, cell.span * (0.35 + 0.6 * share), paint, theme);
+        }
+    }
+    ink.mesh
+}
+
+/// What lobes are drawn with.
+struct Pen {
+    glyphs: Glyphs,
+    outline: Outline,
+    positive: Color32,
+    negative: Color32,
+}
+
+/// A lobe as the eye sees it: its outline in the plane across the line of sight.
+fn lobe(ink: &mut Ink, projection: &Projection, cell: &CloudCell, light: Sh<f32>, pen: &mut Pen) {
+    let Sh([c00, x, y, z]) = light;
+    let turned = projection.turn * vec3(x, y, z);
+    pen.glyphs.outline(Sh([c00, turned.x, turned.y, turned.z]), &mut pen.outline);
+    let (centre, nearness) = projection.screen(projection.seen(Vec3::from(cell.centre)));
+    let side = cell.span / projection.side * projection.scale * nearness;
+    ink.glyph(&pen.outline, centre, side, pen.positive, Some(pen.negative));
+}
+
+/// The three faces of a cube, its middle and side in finest cells, that face the eye, shaded by how much they do.
+fn cube(ink: &mut Ink, projection: &Projection, centre: [f32; 3], side: f32, paint: Rgb, theme: &Theme) {
+    let (centre, half) = (Vec3::from(centre), side * 0.5);
+    let eye = projection.turn.transpose() * vec3(0.0, 0.0, DISTANCE);
+    let to_eye = eye * projection.side - (centre - Vec3::splat(projection.side / 2.0));
+    for axis in 0..3 {
+        let sign = if to_eye[axis] > 0.0 { 1.0 } else { -1.0 };
+        let normal = Vec3::AXES[axis] * sign;
+        let (u, v) = (Vec3::AXES[(axis + 1) % 3], Vec3::AXES[(axis + 2) % 3]);
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+        let corners = corners.map(|(a, b)| projection.at(centre + (normal + u * a + v * b) * half));
+        let facing = (projection.turn * normal).z.max(0.0);
+        let lit = paint.towards(theme.ground, 0.55 * (1.0 - facing));
+        ink.quad(corners, color(lit));
+    }
+}
+
+/// The edges of the volume, those behind the light or those before it, with its axes and the cut.
+fn frame(painter: &egui::Painter, projection: &Projection, plane: Plane, theme: &Theme, front: bool) {
+    let n = projection.side;
+    let corner = |i: usize| vec3((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2 & 1) as f32) * n;
+    let depth = |i: usize| projection.seen(corner(i)).z;
+    let nearest = (0..8).max_by(|a, b| depth(*a).total_cmp(&depth(*b))).unwrap_or(0);
+    for from in 0..8usize {
+        for bit in [1, 2, 4] {
+            let to = from ^ bit;
+            if from < to && (from == nearest || to == nearest) == front {
+                let line = [projection.at(corner(from)), projection.at(corner(to))];
+                painter.line_segment(line, (1.0, color(theme.muted).gamma_multiply(if front { 0.35 } else { 0.8 })));
+            }
+        }
+    }
+    if !front {
+        return;
+    }
+    for (i, name) in ["x", "y", "z"].into_iter().enumerate() {
+        let at = projection.at(Vec3::AXES[i] * n * 1.06);
+        painter.text(at, egui::Align2::CENTER_CENTER, name, egui::FontId::proportional(13.0), color(theme.ink));
+    }
+    painter.text(
+        projection.at(Vec3::splat(-0.04 * n)),
+        egui::Align2::CENTER_CENTER,
+        "0",
+        egui::FontId::proportional(11.0),
+        color(theme.muted),
+    );
+    let across = plane.axis.across();
+    let at = Vec3::AXES[across] * (plane.index as f32 + 0.5);
+    let (u, v) = (Vec3::AXES[(across + 1) % 3] * n, Vec3::AXES[(across + 2) % 3] * n);
+    let corners = [at, at + u, at + u + v, at + v].map(|corner| projection.at(corner));
+    painter.add(Shape::closed_line(corners.to_vec(), (1.0, color(theme.negative).gamma_multiply(0.8))));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_eye_sees_what_is_nearer_larger_and_up_as_up() {
+        let rect = Rect::from_min_size(Pos2::ZERO, Vec2::splat(400.0));
+        let eye = Eye { yaw: 0.0, pitch: 0.0, ..Eye::default() };
+        let projection = Projection::new(&eye, rect, 8);
+        assert!((projection.at(Vec3::splat(4.0)) - rect.center()).length() < 1e-3);
+        assert!(projection.at(vec3(4.0, 8.0, 4.0)).y < rect.center().y);
+        assert!(projection.at(vec3(8.0, 4.0, 4.0)).x > rect.center().x);
+        let (_, near) = projection.screen(projection.seen(vec3(4.0, 4.0, 8.0)));
+        let (_, far) = projection.screen(projection.seen(vec3(4.0, 4.0, 0.0)));
+        assert!(near > 1.0 && far < 1.0);
+    }
+}

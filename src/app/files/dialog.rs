@@ -1,0 +1,212 @@
+//! Asking for files: a path to type, or the system's own dialog on a thread of its own.
+
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use egui::{Context, Id, Modal, TextEdit, Ui};
+
+use crate::app::session::command::Command;
+use crate::app::session::format::Format;
+
+/// What a file is wanted for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// Open a preset.
+    Open,
+    /// Save the preset.
+    SaveAs,
+    /// The cells of the preset's injector of this number, or of a new one.
+    Injector(usize),
+    /// The cells of the preset's occluder of this number, or of a new one.
+    Occluder(usize),
+    /// Save what an export command says.
+    Export(Command),
+}
+
+impl Purpose {
+    fn title(self) -> &'static str {
+        match self {
+            Purpose::Open => "Open a preset",
+            Purpose::SaveAs => "Save the preset as",
+            Purpose::Injector(_) => "A file of light: CSV or .npy, beside the preset",
+            Purpose::Occluder(_) => "A file of occupied cells: CSV, beside the preset",
+            Purpose::Export(command) => command.explanation(),
+        }
+    }
+
+    fn verb(self) -> &'static str {
+        match self {
+            Purpose::Open => "Open",
+            Purpose::Injector(_) | Purpose::Occluder(_) => "Use",
+            Purpose::SaveAs | Purpose::Export(_) => "Save to file",
+        }
+    }
+
+    fn is_picture(self) -> bool {
+        matches!(self, Purpose::Export(Command::ExportSvg | Command::ExportPng | Command::ExportGrids))
+    }
+
+    fn writes(self) -> bool {
+        matches!(self, Purpose::SaveAs | Purpose::Export(_))
+    }
+
+    /// The endings that fit, the usual one first.
+    fn endings(self) -> &'static [&'static str] {
+        match self {
+            Purpose::Open | Purpose::SaveAs => &["ron"],
+            Purpose::Injector(_) => &["csv", "npy"],
+            Purpose::Occluder(_) | Purpose::Export(Command::ExportCsv) => &["csv"],
+            Purpose::Export(Command::ExportSvg) => &["svg"],
+            Purpose::Export(Command::ExportPng) => &["png"],
+            Purpose::Export(_) => &["svg", "png"],
+        }
+    }
+}
+
+/// A question for a path that is on screen.
+#[derive(Clone, Debug)]
+struct Question {
+    purpose: Purpose,
+    text: String,
+    /// Whether the field has had the keyboard yet.
+    focused: bool,
+    /// A file that is there and would be written over.
+    over: Option<PathBuf>,
+}
+
+/// Questions for files, and their answers.
+pub struct Files {
+    ctx: Context,
+    question: Option<Question>,
+    answer: Sender<(Purpose, PathBuf)>,
+    answers: Receiver<(Purpose, PathBuf)>,
+}
+
+impl Files {
+    /// No question.
+    pub fn new(ctx: &Context) -> Self {
+        let (answer, answers) = channel();
+        Files { ctx: ctx.clone(), question: None, answer, answers }
+    }
+
+    /// Asks for a file; `beside` is one whose folder and name are likely.
+    pub fn ask(&mut self, purpose: Purpose, beside: Option<&Path>) {
+        let ending = purpose.endings()[0];
+        let likely = match (purpose.writes(), beside) {
+            (true, Some(path)) => path.with_extension(ending).display().to_string(),
+            (true, None) => format!("untitled.{ending}"),
+            (false, _) => String::new(),
+        };
+        self.question = Some(Question { purpose, text: likely, focused: false, over: None });
+    }
+
+    /// Whether a question is on screen.
+    pub fn asks(&self) -> bool {
+        self.question.is_some()
+    }
+
+    /// The next file that was chosen.
+    pub fn chosen(&mut self) -> Option<(Purpose, PathBuf)> {
+        let answer = self.answers.try_recv().ok()?;
+        self.question = None;
+        Some(answer)
+    }
+
+    /// Shows the question, if there is one. `recent` are files to choose from, `format` is how pictures are exported.
+    pub fn ui(&mut self, ui: &Ui, recent: &[PathBuf], format: &mut Format) {
+        let Some(mut question) = self.question.take() else { return };
+        let mut open = true;
+        let modal = Modal::new(Id::unique("file question")).show(ui.ctx(), |ui| {
+            ui.set_width(460.0);
+            ui.heading(question.purpose.title());
+            ui.add_space(4.0);
+            let label = ui.label("File");
+            let edit = TextEdit::singleline(&mut question.text).desired_width(f32::INFINITY);
+            let field = ui.add(edit).labelled_by(label.id);
+            if !question.focused {
+                field.request_focus();
+                question.focused = true;
+            }
+            if field.changed() {
+                question.over = None;
+            }
+            let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+            if question.purpose == Purpose::Open {
+                for path in recent {
+                    if ui.link(path.display().to_string()).clicked() {
+                        self.answer(question.purpose, path.clone());
+                    }
+                }
+            }
+            if let Some(over) = &question.over {
+                let text = format!("{} is there already. Save again to replace it.", over.display());
+                ui.colored_label(ui.visuals().warn_fg_color, text);
+            }
+            ui.add_space(6.0);
+            if question.purpose.is_picture() {
+                format.ui(ui);
+                ui.add_space(6.0);
+            }
+            ui.horizontal(|ui| {
+                let typed = !question.text.trim().is_empty();
+                let pressed = ui.add_enabled(typed, egui::Button::new(question.purpose.verb())).clicked();
+                if typed && (pressed || entered) {
+                    self.typed(&mut question);
+                }
+                if ui.button("Browse…").on_hover_text("Choose with the system's file dialog").clicked() {
+                    self.browse(question.purpose, &question.text);
+                }
+                open &= !ui.button("Cancel").clicked();
+            });
+        });
+        if open && !modal.should_close() {
+            self.question = Some(question);
+        }
+    }
+
+    /// Takes the path that was typed; a file that would be written over is asked about once.
+    fn typed(&self, question: &mut Question) {
+        let mut path = PathBuf::from(question.text.trim());
+        if question.purpose.writes() {
+            if path.extension().is_none() {
+                path.set_extension(question.purpose.endings()[0]);
+            }
+            if path.exists() && question.over.as_ref() != Some(&path) {
+                question.over = Some(path);
+                return;
+            }
+        }
+        self.answer(question.purpose, path);
+    }
+
+    fn answer(&self, purpose: Purpose, path: PathBuf) {
+        // Both ends live in this struct.
+        let _ = self.answer.send((purpose, path));
+        self.ctx.request_repaint();
+    }
+
+    /// Opens the system's dialog, which may take as long as it likes.
+    fn browse(&self, purpose: Purpose, text: &str) {
+        let (answer, ctx) = (self.answer.clone(), self.ctx.clone());
+        let likely = PathBuf::from(text.trim());
+        let dialog = move || {
+            let mut dialog = rfd::FileDialog::new().set_title(purpose.title());
+            dialog = dialog.add_filter(purpose.endings().join(", "), purpose.endings());
+            if let Some(folder) = likely.parent().filter(|folder| folder.is_dir()) {
+                dialog = dialog.set_directory(folder);
+            }
+            if let Some(name) = likely.file_name() {
+                dialog = dialog.set_file_name(name.to_string_lossy());
+            }
+            let chosen = if purpose.writes() { dialog.save_file() } else { dialog.pick_file() };
+            if let Some(path) = chosen {
+                // The window may be gone by now.
+                let _ = answer.send((purpose, path));
+                ctx.request_repaint();
+            }
+        };
+        if let Err(error) = std::thread::Builder::new().name("file dialog".to_owned()).spawn(dialog) {
+            log::warn!("no thread for the file dialog: {error}");
+        }
+    }
+}

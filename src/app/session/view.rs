@@ -1,0 +1,181 @@
+//! How light is looked at: what the window remembers between runs of the program.
+
+use serde::{Deserialize, Serialize};
+
+use crate::app::worker::look::Layer;
+use crate::report::colour::Paint;
+use crate::report::glyph::Hue;
+use crate::report::slice::{Axis, Plane};
+
+/// How an intensity becomes a glyph's radius.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Scaling {
+    /// In proportion.
+    Linear,
+    /// By its logarithm.
+    #[default]
+    Log,
+    /// Every glyph fills its cell.
+    PerGlyph,
+}
+
+impl Scaling {
+    /// All of them.
+    pub const ALL: [Scaling; 3] = [Scaling::Linear, Scaling::Log, Scaling::PerGlyph];
+
+    /// Its name on screen.
+    pub fn name(self) -> &'static str {
+        match self {
+            Scaling::Linear => "Linear",
+            Scaling::Log => "Logarithmic",
+            Scaling::PerGlyph => "Each glyph full",
+        }
+    }
+}
+
+/// What lies under the glyphs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Heat {
+    /// Nothing.
+    #[default]
+    None,
+    /// The mean light, c00.
+    Mean,
+    /// The absolute error, against what the plots' metric compares with.
+    Absolute,
+    /// The relative error, against the same.
+    Relative,
+}
+
+impl Heat {
+    /// All of them.
+    pub const ALL: [Heat; 4] = [Heat::None, Heat::Mean, Heat::Absolute, Heat::Relative];
+
+    /// Its name on screen.
+    pub fn name(self) -> &'static str {
+        match self {
+            Heat::None => "None",
+            Heat::Mean => "Mean light c00",
+            Heat::Absolute => "Absolute error",
+            Heat::Relative => "Relative error",
+        }
+    }
+}
+
+/// The middle of the window.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Stage {
+    /// Source, target and accumulated light of one run.
+    #[default]
+    Grids,
+    /// The same light of several propagators, or of two iterations.
+    Compare,
+    /// One of the grids in three dimensions.
+    Space,
+}
+
+/// How light is looked at.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct View {
+    /// The middle of the window.
+    pub stage: Stage,
+    /// Which level.
+    pub layer: Layer,
+    /// The axis that slices are cut across: 0, 1 or 2.
+    pub across: usize,
+    /// How far along that axis, in finest cells.
+    pub index: usize,
+    /// How intensities become radii.
+    pub scaling: Scaling,
+    /// Whether the scale follows the light.
+    pub fit: bool,
+    /// The intensity that fills a cell where the scale does not follow.
+    pub full: f32,
+    /// The powers of ten that a logarithmic scale spans.
+    pub decades: f32,
+    /// What a glyph's colour tells, by its place in [`Paint::ALL`].
+    pub paint: usize,
+    /// Which colour of the light glyphs show, by its place in [`Hue::ALL`].
+    pub hue: usize,
+    /// Whether negative lobes are drawn.
+    pub negative: bool,
+    /// What lies under the glyphs.
+    pub heat: Heat,
+    /// Whether glyphs are drawn.
+    pub glyphs: bool,
+    /// Whether cells are drawn.
+    pub cells: bool,
+    /// Whether the index volume is drawn.
+    pub levels: bool,
+    /// Whether occupied cells are drawn.
+    pub occluders: bool,
+    /// Whether all views are zoomed and panned together.
+    pub linked: bool,
+}
+
+impl Default for View {
+    fn default() -> Self {
+        View {
+            stage: Stage::Grids,
+            layer: Layer::Merged,
+            across: 2,
+            index: 16,
+            scaling: Scaling::Log,
+            fit: true,
+            full: 0.1,
+            decades: 4.0,
+            paint: 0,
+            hue: 0,
+            negative: true,
+            heat: Heat::None,
+            glyphs: true,
+            cells: true,
+            levels: false,
+            occluders: true,
+            linked: true,
+        }
+    }
+}
+
+impl View {
+    /// The axis that slices are cut across.
+    pub fn axis(&self) -> Axis {
+        Axis::ALL[self.across.min(2)]
+    }
+
+    /// Where slices are cut.
+    pub fn plane(&self) -> Plane {
+        Plane { axis: self.axis(), index: self.index }
+    }
+
+    /// What a glyph's colour tells.
+    pub fn paint(&self) -> Paint {
+        Paint::ALL[self.paint % Paint::ALL.len()]
+    }
+
+    /// Which colour of the light glyphs show.
+    pub fn hue(&self) -> Hue {
+        Hue::ALL[self.hue % Hue::ALL.len()]
+    }
+}
+
+/// A kind of glyph colour's name on screen.
+pub fn paint_name(paint: Paint) -> &'static str {
+    match paint {
+        Paint::Single => "One colour",
+        Paint::Light => "Colour of the light",
+        Paint::Direction => "Direction",
+        Paint::Intensity => "Intensity",
+    }
+}
+
+/// A colour's name on screen.
+pub fn hue_name(hue: Hue) -> &'static str {
+    match hue {
+        Hue::Mean => "Mean of RGB",
+        Hue::Red => "Red",
+        Hue::Green => "Green",
+        Hue::Blue => "Blue",
+    }
+}

@@ -1,0 +1,123 @@
+//! One propagator on its way through a scene: the simulation, its past and its errors.
+
+use crate::app::worker::history::{self, History};
+use crate::scene::Problem;
+use crate::simulation::{Action, Change, Refusal, Simulation};
+use crate::study::ballistic;
+use crate::study::error::{self, ErrorRow, Metric};
+use crate::study::reference;
+use crate::transport::ballistic::Ballistic;
+
+/// The errors of one state by one metric.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// For all levels and for each, where the metric tells them apart.
+    pub rows: Vec<ErrorRow>,
+    /// The L1 ratio against what truly arrives after the scalar that fits best, where that is known.
+    pub best_fit: Option<f64>,
+}
+
+impl Measured {
+    /// Measures a state; what is dark, or lacks the `truth` that the ballistic metric needs, has no errors.
+    pub fn of(state: &Simulation<f32>, metric: Metric, truth: Option<&Ballistic>) -> Self {
+        if (0..state.sizes().count()).all(|i| state.index().level(i).count() == 0) {
+            return Measured::default();
+        }
+        let rows = match metric {
+            Metric::Thesis => error::thesis(state),
+            Metric::Corrected => error::corrected(state, &reference::uniform(state)),
+            Metric::Merged => vec![error::merged(state, &reference::uniform(state))],
+            Metric::Ballistic => truth.map(|truth| ballistic::error(state, truth)).into_iter().collect(),
+        };
+        let fit = truth.filter(|_| metric == Metric::Ballistic);
+        let best_fit = fit.map(|truth| ballistic::best_fit(state, truth).fitted);
+        Measured { rows, best_fit }
+    }
+}
+
+/// A simulation that remembers.
+#[derive(Debug)]
+pub struct Track {
+    now: Simulation<f32>,
+    past: History,
+    /// Whether the present state cannot be computed again from the one before.
+    fixed: bool,
+}
+
+impl Track {
+    /// A dark simulation of `problem`, with `budget` bytes for its past.
+    pub fn new(problem: Problem, budget: usize) -> Result<Self, Refusal> {
+        Ok(Track { now: Simulation::new(problem)?, past: History::new(budget), fixed: true })
+    }
+
+    /// Does one action and tells what it changed.
+    pub fn act(&mut self, action: Action) -> Change {
+        match action {
+            Action::Clear => self.past.clear(),
+            Action::Propagate => self.past.keep(&self.now, self.fixed),
+            Action::Inject | Action::Downsample | Action::Merge => {}
+        }
+        match action {
+            Action::Propagate => self.fixed = false,
+            // A merge adds something that can be had again; it does not change what is propagated.
+            Action::Merge => {}
+            Action::Clear | Action::Inject | Action::Downsample => self.fixed = true,
+        }
+        let change = self.now.act(action);
+        if self.now.divergence().is_some() {
+            // The present is still what was just kept as the past.
+            self.past.truncate(self.now.iteration());
+        }
+        change
+    }
+
+    /// The present state.
+    pub fn now(&self) -> &Simulation<f32> {
+        &self.now
+    }
+
+    /// The state after iteration `k`, or the present one; `None` where it is no longer remembered.
+    pub fn at(&mut self, k: Option<usize>) -> Option<&Simulation<f32>> {
+        match k {
+            Some(k) if k < self.now.iteration() => self.past.at(k),
+            _ => Some(&self.now),
+        }
+    }
+
+    /// Every state that is at hand, oldest first.
+    pub fn states(&self) -> impl Iterator<Item = &Simulation<f32>> {
+        self.past.states().chain([&self.now])
+    }
+
+    /// Goes back to iteration `k` and forgets what came after; false where it is no longer remembered.
+    pub fn restart(&mut self, k: usize) -> bool {
+        if k >= self.now.iteration() {
+            return true;
+        }
+        let Some(state) = self.past.at(k).cloned() else { return false };
+        self.fixed = self.past.is_fixed(k);
+        self.past.truncate(k);
+        self.now = state;
+        true
+    }
+
+    /// The oldest iteration that can be shown.
+    pub fn oldest(&self) -> usize {
+        self.past.oldest().unwrap_or(self.now.iteration())
+    }
+
+    /// Bytes that the past takes.
+    pub fn past_bytes(&self) -> usize {
+        self.past.bytes()
+    }
+
+    /// Bytes that the present takes.
+    pub fn now_bytes(&self) -> usize {
+        history::bytes(&self.now)
+    }
+
+    /// Changes the memory for the past, in bytes.
+    pub fn set_budget(&mut self, budget: usize) {
+        self.past.set_budget(budget);
+    }
+}
