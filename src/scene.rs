@@ -11,6 +11,7 @@ pub mod error;
 pub mod file;
 pub mod injector;
 pub mod occluder;
+pub mod path;
 pub mod preset;
 pub mod propagation;
 

@@ -4,6 +4,8 @@ pub mod ballistic;
 pub mod benchmark;
 pub mod compare;
 pub mod error;
+pub mod motion;
+pub mod octree;
 pub mod pareto;
 pub mod profile;
 pub mod race;

@@ -1,5 +1,6 @@
 //! What a preset says of how light is propagated.
 
+pub mod descent;
 pub mod ordinates;
 
 use std::fmt;
@@ -7,6 +8,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::error::{Fault, Step};
+use descent::{Descent, Inside};
 use ordinates::{MOST_DIRECTIONS, Setting};
 
 /// The most iterations of one run.
@@ -28,6 +30,13 @@ pub struct Propagation {
     pub clamp: bool,
     /// How the operator follows from the level of the octree; `Same`.
     pub levels: Policy,
+    /// Whether the coarse levels start the fine ones; `Off`. If they do, `iterations` are those of every level, and
+    /// `levels` does not matter.
+    #[serde(skip_serializing_if = "is_default")]
+    pub descent: Descent,
+    /// How a descent shows the light of coarse cells in the finest; `Exponential`.
+    #[serde(skip_serializing_if = "is_default")]
+    pub inside: Inside,
     /// The directions of the propagator `ordinates`; the others have none.
     #[serde(skip_serializing_if = "is_default")]
     pub ordinates: Setting,
@@ -53,17 +62,21 @@ pub enum Policy {
     Same,
     /// Each level's operator keeps the light that stays in its larger cells; see `transport::lattice::levels`.
     Consistent,
+    /// Each level takes finest steps, by an operator that treats light exactly which depends on one coordinate alone;
+    /// see `transport::lattice::exact`.
+    Exact,
 }
 
 impl Policy {
-    /// Both policies, the default first.
-    pub const ALL: [Policy; 2] = [Policy::Same, Policy::Consistent];
+    /// All policies, the default first.
+    pub const ALL: [Policy; 3] = [Policy::Same, Policy::Consistent, Policy::Exact];
 
     /// Its name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Policy::Same => "same",
             Policy::Consistent => "consistent",
+            Policy::Exact => "exact",
         }
     }
 }
@@ -83,6 +96,8 @@ impl Default for Propagation {
             snapshots: Snapshots::Thesis,
             clamp: true,
             levels: Policy::Same,
+            descent: Descent::Off,
+            inside: Inside::Exponential,
             ordinates: Setting::default(),
         }
     }
@@ -95,6 +110,7 @@ impl Propagation {
             let what = format!("{} iterations are too many", self.iterations);
             return Err(Fault::new(what, format!("at most {MOST_ITERATIONS} are run")).field("iterations"));
         }
+        self.descent.check().map_err(|p| p.within(Step::Field("descent")))?;
         let directions = self.ordinates.directions;
         if !(1..=MOST_DIRECTIONS).contains(&directions) {
             let fault =

@@ -27,7 +27,7 @@ use crate::transport::lattice::schemes;
 use way::{Outcome, Start};
 
 /// Iterations that stand for the fixed point where none is solved for; fewer where light has died out.
-const FOR_EVER: usize = 400;
+pub(super) const FOR_EVER: usize = 400;
 /// Iterations after which that is looked at.
 const LOOK_AFTER: usize = 20;
 /// Light of the newest snapshot over all light, under which it has died out.
@@ -153,7 +153,7 @@ pub fn measure_against(
 }
 
 /// The fixed point of the uniform volume, solved for or iterated.
-fn fixed_point(problem: &Problem) -> Result<Vec<Grid<f32>>, Refusal> {
+pub(super) fn fixed_point(problem: &Problem) -> Result<Vec<Grid<f32>>, Refusal> {
     if let Ok(Some(found)) = fixed_point::solve(problem, REFERENCE_TOLERANCE, |_| true) {
         return Ok(found.light);
     }

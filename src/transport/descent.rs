@@ -29,4 +29,19 @@ mod sample;
 
 pub use course::{Descent, Grids};
 pub use partition::Tiling;
-pub use sample::Inside;
+
+use super::lattice::exact;
+use super::lattice::linear::linear_form;
+use super::refusal::Refusal;
+use crate::field::Levels;
+use crate::scene::Problem;
+use crate::sh::Real;
+
+/// The descent that a problem asks for, over levels of these sizes.
+pub fn of_problem<T: Real>(problem: &Problem, sizes: Levels) -> Result<Descent<T>, Refusal> {
+    let propagation = &problem.propagation;
+    let (form, share) = linear_form::<T>(problem, "a descent")?;
+    exact::residence(&share, propagation.factor, sizes.count())?;
+    let tiling = Tiling::of(propagation.descent).unwrap_or(Tiling::Cells);
+    Ok(Descent::new(sizes, tiling, form, share, propagation.snapshots))
+}

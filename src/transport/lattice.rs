@@ -9,6 +9,7 @@ pub mod fixed_point;
 pub mod geometry;
 pub mod kernel;
 pub mod levels;
+pub mod linear;
 pub mod scheme;
 pub mod schemes;
 pub mod stencil;

@@ -1,9 +1,10 @@
 //! A descent under way: its stages, the source of each, and the iterations on them.
 
 use super::partition::{self, Tiling};
-use super::sample::{self, Inside};
+use super::sample;
 use crate::field::{Cell, Grid, Levels, Marks, Octree};
 use crate::scene::propagation::Snapshots;
+use crate::scene::propagation::descent::Inside;
 use crate::sh::{Real, Sh};
 use crate::transport::lattice::exact::decay::Decay;
 use crate::transport::lattice::exact::filter;
@@ -20,6 +21,8 @@ pub struct Descent<T> {
     share: Share<f64>,
     decay: Decay,
     snapshots: Snapshots,
+    /// The longest that light resides in a leaf.
+    residence: f64,
     /// The leaves of every stage, the coarsest first; none before light was taken up.
     stages: Vec<Leaves<T>>,
     stage: usize,
@@ -54,7 +57,27 @@ impl<T: Real> Descent<T> {
     /// S + 2·B where the first iteration sends the light twice, or B alone.
     pub fn new(sizes: Levels, tiling: Tiling, form: Form<T>, share: Share<f64>, snapshots: Snapshots) -> Self {
         let decay = Decay::of(&share);
-        Descent { sizes, tiling, form, share, decay, snapshots, stages: Vec::new(), stage: 0, channels: Vec::new() }
+        let stay = |i: usize| 6.0 * share.alpha * (1.0 - decay.even(f64::from(1u32 << i)));
+        let residence = (0..sizes.count()).map(|i| 1.0 / (1.0 - stay(i))).fold(1.0, f64::max);
+        Descent {
+            sizes,
+            tiling,
+            form,
+            share,
+            decay,
+            snapshots,
+            residence,
+            stages: Vec::new(),
+            stage: 0,
+            channels: Vec::new(),
+        }
+    }
+
+    /// What an iteration of any stage multiplies the largest coefficient by, at most.
+    pub fn norm(&self) -> f64 {
+        let Share { alpha, beta, gamma, delta, epsilon } = self.share;
+        let sent = 6.0 * [alpha, beta, gamma, delta, 2.0 * epsilon].iter().map(|c| c.abs()).sum::<f64>();
+        1.0 + 4.0 * self.residence * sent
     }
 
     /// Takes up the light that level 0 of each channel holds, as injected.
@@ -161,6 +184,22 @@ impl<T: Real> Descent<T> {
         self.stages.get(self.stage)
     }
 
+    /// Goes through all stages with `k` iterations each, for a descent of one channel.
+    pub fn run(&mut self, k: usize, grids: &mut Grids<'_, T>) {
+        for stage in 0..self.sizes.count() {
+            if stage > 0 {
+                self.descend();
+            }
+            self.enter(0, grids);
+            (1..k).for_each(|_| self.iterate(grids));
+        }
+    }
+
+    /// Goes on to the finest level at once. [`Self::resume`] follows, for every channel.
+    pub fn skip_to_finest(&mut self) {
+        self.stage = self.sizes.count() - 1;
+    }
+
     /// Goes on to the next finer level, if there is one. [`Self::enter`] follows, for every channel.
     pub fn descend(&mut self) {
         self.stage = (self.stage + 1).min(self.sizes.count() - 1);
@@ -171,7 +210,6 @@ impl<T: Real> Descent<T> {
         let (Some(leaves), Some(Channel { injected, moved, .. })) = (self.leaves(), self.channels.get(channel)) else {
             return;
         };
-        let j = self.level();
         match self.stage.checked_sub(1) {
             None => {
                 let Grids { source, target, accumulated } = grids;
@@ -184,7 +222,31 @@ impl<T: Real> Descent<T> {
                 self.hand_down(channel, before, grids.accumulated);
             }
         }
-        // a is B so far: what P makes of it, and the source, less B itself is the correction.
+        self.begin(leaves, (injected, moved), grids);
+    }
+
+    /// The first iteration at the finest level for a channel that starts from light that has moved already, cell by
+    /// cell: what another descent left there, for other injected light.
+    pub fn resume(&self, channel: usize, moved_before: &Grid<T>, grids: &mut Grids<'_, T>) {
+        let (Some(leaves), Some(Channel { injected, moved, .. })) = (self.leaves(), self.channels.get(channel)) else {
+            return;
+        };
+        let Grids { source, target, accumulated } = grids;
+        [source, target].into_iter().for_each(|octree| octree.clear());
+        accumulated.level_mut(0).copy_from(moved_before);
+        accumulated.downsample();
+        self.begin(leaves, (injected, moved), grids);
+    }
+
+    /// The first iteration of a stage, from what its leaves hold of B.
+    fn begin(
+        &self,
+        leaves: &Leaves<T>,
+        (injected, moved): (&[Vec<(usize, Sh<T>)>], &Octree<T>),
+        grids: &mut Grids<'_, T>,
+    ) {
+        let j = self.level();
+        // What P makes of B, and the source, less B itself is the correction.
         leaves.copy(grids.accumulated, grids.source);
         leaves.apply(grids.source, grids.target);
         leaves.add_source(j, moved.level(j), grids.target.level_mut(j));

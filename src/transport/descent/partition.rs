@@ -8,6 +8,7 @@
 //! Stage j has no leaf finer than level j: what would be finer is a leaf of level j.
 
 use crate::field::{Levels, Marks, row_mask};
+use crate::scene::propagation::descent::Descent;
 
 /// What the volume is cut into.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +20,17 @@ pub enum Tiling {
         /// How many times half its width a block must be away from injected light to stay whole.
         distance: f64,
     },
+}
+
+impl Tiling {
+    /// What a preset asks for; `None` if it asks for no descent.
+    pub fn of(descent: Descent) -> Option<Tiling> {
+        match descent {
+            Descent::Off => None,
+            Descent::Cells => Some(Tiling::Cells),
+            Descent::Leaves { distance } => Some(Tiling::Leaves { distance }),
+        }
+    }
 }
 
 /// The leaves of every stage, from the coarsest level to the finest: for each the marks of all levels, the finest
@@ -112,8 +124,8 @@ fn widened(marks: &Marks, by: usize) -> Marks {
     for axis in 0..3 {
         let mut reach = 0;
         while reach < by {
-            // Two copies beside what is covered leave no gap up to this far.
-            let step = (2 * reach + 1).min(by - reach);
+            // Two copies beside what is covered leave no gap up to this far, even where a part of it lies outside.
+            let step = (reach + 1).min(by - reach);
             let before = near.clone();
             let rows = |row: usize, other: Option<usize>, near: &mut Marks| {
                 let Some(other) = other else { return };
@@ -123,7 +135,12 @@ fn widened(marks: &Marks, by: usize) -> Marks {
             for row in 0..n * n {
                 let (y, z) = (row % n, row / n);
                 match axis {
-                    0 => smear(&before.words()[row * per_row..][..per_row], step, n, &mut near.words_mut()[row * per_row..][..per_row]),
+                    0 => smear(
+                        &before.words()[row * per_row..][..per_row],
+                        step,
+                        n,
+                        &mut near.words_mut()[row * per_row..][..per_row],
+                    ),
                     1 => {
                         rows(row, y.checked_sub(step).map(|y| z * n + y), &mut near);
                         rows(row, Some(y + step).filter(|y| *y < n).map(|y| z * n + y), &mut near);

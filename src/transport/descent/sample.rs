@@ -1,28 +1,24 @@
 //! Sampling leaves: what they hold inside, from their neighbours ([`sampling`]).
 
 use crate::field::{Cell, Grid};
+use crate::scene::propagation::descent::Inside;
 use crate::sh::{Real, Sh};
 use crate::transport::lattice::exact::filter::cells;
 use crate::transport::lattice::exact::leaves::Leaves;
 use crate::transport::lattice::exact::sampling::{self, Neighbour};
 use crate::transport::lattice::face::Direction;
 
-/// How a coarse leaf is shown in the finest cells.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Inside {
-    /// As its neighbours say that light decays in it.
-    #[default]
-    Exponential,
-    /// Everywhere alike.
-    Constant,
-}
-
 /// The light of leaves: by level and cell.
 pub(super) trait Light<T>: Fn(usize, Cell) -> Sh<T> {}
 impl<T, F: Fn(usize, Cell) -> Sh<T>> Light<T> for F {}
 
 /// What lies beside a leaf in a direction: its width in finest cells and its c00.
-fn neighbour<T: Real>(leaves: &Leaves<T>, light: &impl Light<T>, (i, cell): (usize, Cell), d: Direction) -> Option<Neighbour> {
+fn neighbour<T: Real>(
+    leaves: &Leaves<T>,
+    light: &impl Light<T>,
+    (i, cell): (usize, Cell),
+    d: Direction,
+) -> Option<Neighbour> {
     let next = d.neighbour(cell, leaves.marks(i).side())?;
     let width = f64::from(1u32 << i);
     let mean = |level: usize, cell: Cell| light(level, cell).0[0].to_f64();
@@ -52,7 +48,11 @@ fn neighbours<T: Real>(leaves: &Leaves<T>, light: &impl Light<T>, leaf: (usize, 
 }
 
 /// What the eight children of a leaf take of its mean.
-pub(super) fn children<T: Real>(leaves: &Leaves<T>, light: &impl Light<T>, (i, cell): (usize, Cell)) -> impl Iterator<Item = (Cell, f64)> {
+pub(super) fn children<T: Real>(
+    leaves: &Leaves<T>,
+    light: &impl Light<T>,
+    (i, cell): (usize, Cell),
+) -> impl Iterator<Item = (Cell, f64)> {
     let width = f64::from(1u32 << i);
     let mean = light(i, cell).0[0].to_f64();
     let halves = neighbours(leaves, light, (i, cell)).map(|sides| {

@@ -9,16 +9,11 @@
 use std::sync::Arc;
 
 use super::course::{Descent, Grids};
-use super::partition::Tiling;
-use super::sample::Inside;
 use crate::field::{Grid, Levels, Octree};
 use crate::scene::Problem;
 use crate::sh::Real;
 use crate::transport::divergence::{Divergence, limit};
 use crate::transport::kind::{Setup, Transport};
-use crate::transport::lattice::kernel::form::{Form, Share};
-use crate::transport::lattice::stencil::Stencil;
-use crate::transport::lattice::{exact, schemes};
 use crate::transport::options::Work;
 use crate::transport::refusal::Refusal;
 use crate::transport::state::{Light, State};
@@ -28,7 +23,6 @@ use crate::transport::state::{Light, State};
 pub struct Staged<T> {
     problem: Arc<Problem>,
     descent: Descent<T>,
-    inside: Inside,
     /// Iterations of every stage.
     each: usize,
     /// How many of this stage are done.
@@ -66,25 +60,15 @@ impl Ceiling {
 }
 
 impl<T: Real> Staged<T> {
-    /// For the scheme of a problem and its descent.
-    pub fn new(setup: &Setup, tiling: Tiling, inside: Inside) -> Result<Self, Refusal> {
+    /// For the descent of a problem.
+    pub fn new(setup: &Setup) -> Result<Self, Refusal> {
         let Setup { problem, sizes, .. } = setup;
-        let propagation = &problem.propagation;
-        let scheme = schemes::find(&propagation.scheme)
-            .ok_or_else(|| Refusal::unknown(&propagation.scheme, &schemes::names()))?;
-        let refused = || Refusal::Descent { scheme: propagation.scheme.clone() };
-        let form = Form::of(&Stencil::<T>::new(&scheme, propagation.factor, propagation.clamp)).ok_or_else(refused)?;
-        let linear = Stencil::<f64>::new(&scheme, propagation.factor, false);
-        let share = Form::of(&linear).ok_or_else(refused)?.share;
-        let residence = exact::residence(&share, propagation.factor, sizes.count())?;
-        let Share { alpha, beta, gamma, delta, epsilon } = share;
-        let sent = 6.0 * [alpha, beta, gamma, delta, 2.0 * epsilon].iter().map(|c| c.abs()).sum::<f64>();
-        let ceiling = Ceiling { norm: 1.0 + 4.0 * residence * sent, injected: 0.0, source: 0.0, accumulated: 0.0 };
+        let descent: Descent<T> = super::of_problem(problem, *sizes)?;
+        let ceiling = Ceiling { norm: descent.norm(), injected: 0.0, source: 0.0, accumulated: 0.0 };
         Ok(Staged {
+            each: problem.propagation.iterations.max(1),
             problem: Arc::clone(problem),
-            descent: Descent::new(*sizes, tiling, form, share, propagation.snapshots),
-            inside,
-            each: propagation.iterations.max(1),
+            descent,
             done: 0,
             ceiling,
         })
@@ -94,12 +78,6 @@ impl<T: Real> Staged<T> {
     fn enters(&self) -> bool {
         !self.descent.is_under_way() || (self.done >= self.each && self.descent.level() > 0)
     }
-}
-
-/// Bytes that a descent keeps beside the state, about: the source of every stage, and some for the leaves.
-pub fn bytes(sizes: Levels, channels: usize, number: usize) -> u64 {
-    let light = 4 * number as u64 * sizes.cells() as u64;
-    light * channels as u64 + light / 4
 }
 
 impl<T: Real> Transport<T> for Staged<T> {
@@ -182,7 +160,8 @@ impl<T: Real> Transport<T> for Staged<T> {
     fn sample(&self, state: &State<T>, channel: usize, merged: &mut Grid<T>) {
         let accumulated = &state.lights[channel].accumulated;
         if self.descent.is_under_way() {
-            self.descent.sample(channel, self.inside, accumulated, merged);
+            let inside = self.problem.propagation.inside;
+            self.descent.sample(channel, inside, accumulated, merged);
         } else {
             state.index.merge(accumulated, merged);
         }

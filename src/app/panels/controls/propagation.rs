@@ -52,6 +52,7 @@ pub fn ui(ui: &mut Ui, propagation: &mut Propagation, exceeded: Option<Exceeded>
     let text = |policy: &Policy| match policy {
         Policy::Same => "One factor for all".to_owned(),
         Policy::Consistent => "Consistent".to_owned(),
+        Policy::Exact => "Exact".to_owned(),
     };
     let hint = "How the operator follows from the level: alike on all, as in the thesis, or so that levels agree";
     choice(ui, "Levels", hint, &mut propagation.levels, &Policy::ALL, text);

@@ -20,6 +20,13 @@ fn share(factor: f64) -> Share<f64> {
     Form::of(&stencil(factor)).unwrap().share
 }
 
+/// The numbers of single precision, in double.
+fn widened(share: Share<f32>) -> Share<f64> {
+    let Share { alpha, beta, gamma, delta, epsilon } = share;
+    let [alpha, beta, gamma, delta, epsilon] = [alpha, beta, gamma, delta, epsilon].map(f64::from);
+    Share { alpha, beta, gamma, delta, epsilon }
+}
+
 /// Numbers from 0 to 1 that follow from `seed`.
 fn noise(seed: usize) -> f64 {
     ((seed as f64 * 12.9898).sin() * 43758.5453).fract().abs()
@@ -86,10 +93,10 @@ fn all_leaves_at_the_finest_level_are_the_uniform_volume_to_the_bit() {
     };
     kernel::step::step(&order, &mut level, 1, None);
     for way in [Way::InStep, Way::Ahead] {
-        let leaves = Leaves::<f32>::uniform(&share(3.0), way, 0, N);
+        let leaves = Leaves::<f32>::uniform(&widened(form.share), way, 0, N);
         let mut target = Octree::new(source.sizes());
         leaves.apply(&source, &mut target);
-        assert_eq!(target.level(0), &wanted, "{way:?}");
+        assert!(target.level(0) == &wanted, "{way:?}");
     }
 }
 
@@ -183,7 +190,7 @@ fn both_ways_to_iterate_have_one_fixed_point() {
             assert!((light - other).max_norm() <= 1e-9 * other.max_norm(), "{cell:?}: {light:?}, {other:?}");
         }
     }
-    assert!(step.level(3).energy() > 0.0);
+    assert!(step.level(2).energy() > 0.0);
 }
 
 #[test]

@@ -102,7 +102,8 @@ pub fn halves_between(width: f64, mean: f64, [below, above]: [Option<f64>; 2]) -
     }
     let most = (STEEPEST * width).exp();
     // e^(s·width) towards larger coordinates, as each side has it.
-    let rise = |there: Option<f64>| there.filter(|there| *there > 0.0).map(|there| (there / mean).clamp(1.0 / most, most));
+    let rise =
+        |there: Option<f64>| there.filter(|there| *there > 0.0).map(|there| (there / mean).clamp(1.0 / most, most));
     match [rise(below).map(|r| 1.0 / r), rise(above)] {
         [Some(a), Some(b)] => shares((a * b).sqrt().sqrt()),
         [Some(a), None] | [None, Some(a)] => shares(a.sqrt()),
@@ -164,11 +165,15 @@ mod tests {
 
     #[test]
     fn between_neighbours_of_its_width_a_cell_is_halved_by_its_slope() {
-        for (below, above) in [(Some(0.2), Some(3.0)), (None, Some(1e-9)), (Some(1e-30), None), (Some(-1.0), Some(4.0))] {
+        for (below, above) in [(Some(0.2), Some(3.0)), (None, Some(1e-9)), (Some(1e-30), None), (Some(-1.0), Some(4.0))]
+        {
             let neighbour = |mean: Option<f64>| mean.map(|mean| Neighbour { width: 4.0, mean });
             let wanted = halves(slope(4.0, 0.7, [neighbour(below), neighbour(above)]), 4.0);
             let found = halves_between(4.0, 0.7, [below, above]);
-            assert!((0..2).all(|k| (found[k] - wanted[k]).abs() < 1e-12), "{below:?}, {above:?}: {found:?}, {wanted:?}");
+            assert!(
+                (0..2).all(|k| (found[k] - wanted[k]).abs() < 1e-12),
+                "{below:?}, {above:?}: {found:?}, {wanted:?}"
+            );
         }
     }
 

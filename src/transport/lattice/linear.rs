@@ -1,0 +1,30 @@
+//! A problem's scheme as exact levels and descents take it: in the form of the fast loops, and as what one step sends to
+//! a neighbour once no clamp acts.
+
+use super::kernel::form::{Form, Share};
+use super::stencil::Stencil;
+use crate::scene::Problem;
+use crate::sh::Real;
+use crate::transport::refusal::{Refusal, known_scheme};
+
+/// The scheme of `problem`; `what` is told where it cannot be had so.
+pub fn linear_form<T: Real>(problem: &Problem, what: &'static str) -> Result<(Form<T>, Share<f64>), Refusal> {
+    let propagation = &problem.propagation;
+    let scheme = known_scheme(&propagation.scheme)?;
+    if problem.has_occluders() {
+        let setting = "occluders".to_owned();
+        return Err(Refusal::Underived { what, setting, remedy: "switch occlusion or the other off" });
+    }
+    let form = Form::of(&Stencil::<T>::new(&scheme, propagation.factor, propagation.clamp));
+    form.map(|form| (form, widened(form.share))).ok_or_else(|| {
+        let setting = format!("the scheme {}", propagation.scheme);
+        Refusal::Underived { what, setting, remedy: "use a scheme with one face ahead and four beside it" }
+    })
+}
+
+/// The numbers of a share in double precision.
+fn widened<T: Real>(share: Share<T>) -> Share<f64> {
+    let Share { alpha, beta, gamma, delta, epsilon } = share;
+    let [alpha, beta, gamma, delta, epsilon] = [alpha, beta, gamma, delta, epsilon].map(T::to_f64);
+    Share { alpha, beta, gamma, delta, epsilon }
+}
