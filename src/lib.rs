@@ -11,6 +11,7 @@
 //! | 4 | [`transport`] | every way light travels: the schemes of the lattice, ordinates, straight lines |
 //! | 3 | [`scene`] | the preset document, injectors, occluders, cell files, and the problem they end in |
 //! | 2 | [`field`] | grids, octrees, the index volume |
+//! | 2 | [`mesh`] | triangles, materials, readers, rays |
 //! | 1 | [`sh`] | two-band spherical harmonics |
 //! | 0 | [`system`] | memory that is free |
 #![forbid(unsafe_code)]
@@ -20,6 +21,7 @@
 pub mod app;
 pub mod cli;
 pub mod field;
+pub mod mesh;
 pub mod report;
 pub mod scene;
 pub mod sh;

@@ -6,6 +6,8 @@
 
 pub mod ballistic;
 pub mod descent;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod lattice;
 pub mod ordinates;
 pub mod preset;
