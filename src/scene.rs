@@ -95,6 +95,11 @@ impl Problem {
         })
     }
 
+    /// How often a whole run propagates ([`Propagation::actions`]).
+    pub fn actions(&self) -> usize {
+        self.propagation.actions(self.size, self.coarsest)
+    }
+
     /// The slab of cells across an axis (0 for x) into which most light is injected; among equals the one
     /// nearest the middle.
     pub fn brightest_slab(&self, axis: usize) -> usize {

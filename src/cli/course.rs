@@ -35,7 +35,7 @@ pub fn truth(problem: &Problem) -> Result<Ballistic, CliError> {
 /// Runs the scene, printing a line for every iteration. Errors are those of the octree against itself and
 /// against the uniform volume, and against `truth` where it is given.
 pub fn run(simulation: &mut Simulation<f32>, truth: Option<&Ballistic>) -> Course {
-    let iterations = simulation.problem().propagation.iterations;
+    let iterations = simulation.problem().actions();
     let bar = bar(iterations as u64, "{bar:40} iteration {pos} of {len}, {eta} left");
     println!("{}", LINE_HEAD);
     let (mut rows, mut aside) = (Vec::new(), 0.0);

@@ -104,6 +104,15 @@ impl Default for Propagation {
 }
 
 impl Propagation {
+    /// How often a whole run propagates an octree from side `size` down to side `coarsest`: as often as `iterations`
+    /// says, and in a descent so often on every level.
+    pub fn actions(&self, size: usize, coarsest: usize) -> usize {
+        match self.descent {
+            Descent::Off => self.iterations,
+            _ => self.iterations * (1 + (size / coarsest.max(1)).max(1).ilog2() as usize),
+        }
+    }
+
     pub(super) fn check(&self) -> Result<(), Fault> {
         not_negative(self.factor, "the factor").map_err(|p| p.field("factor"))?;
         if self.iterations > MOST_ITERATIONS {

@@ -11,6 +11,7 @@ use super::exact::leaves::{Leaves, Way};
 use super::kernel::form::Share;
 use crate::field::{Levels, Marks, Octree};
 use crate::sh::Real;
+use crate::transport::options::Work;
 use crate::transport::state::State;
 
 /// The operators of the coarser levels, and whether their light has still to move for the first time.
@@ -36,7 +37,9 @@ impl<T: Real> Coarse<T> {
     }
 
     /// One iteration of the coarser levels, after that of the finest, whose new light is in the source.
-    pub(super) fn step(&mut self, state: &mut State<T>) {
+    pub(super) fn step(&mut self, state: &mut State<T>) -> Work {
+        let volume = state.sizes().cells() * state.lights.len();
+        let finest = state.sizes().finest().pow(3) * state.lights.len();
         let State { lights, index, .. } = state;
         for light in lights {
             for (i, leaves) in (1..).zip(&self.levels) {
@@ -51,6 +54,7 @@ impl<T: Real> Coarse<T> {
             }
         }
         self.at_rest = false;
+        Work { visited: volume - finest, dark: 0, volume }
     }
 
     /// Sets level `i` of the target to what the next finer level of the source has moved.

@@ -161,6 +161,14 @@ impl<T: Real> Leaves<T> {
         &self.share
     }
 
+    /// Bytes that [`Self::uniform`] takes.
+    pub fn bytes_of_uniform(level: usize, side: usize) -> u64 {
+        // At level 0 there are no seams; above, the border of the cube is.
+        let border = if level == 0 { 0 } else { side.pow(3) - side.saturating_sub(2).pow(3) };
+        let rows = side * side;
+        (border * size_of::<Seam<T>>() + rows * (2 * size_of::<Run>() + side.div_ceil(64) * size_of::<u64>())) as u64
+    }
+
     /// Bytes of memory it holds.
     pub fn bytes(&self) -> usize {
         let tier = |tier: &Tier<T>| {
