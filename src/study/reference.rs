@@ -12,6 +12,7 @@ use crate::scene::propagation::descent::Descent;
 use crate::scene::propagation::{Policy, Propagation};
 use crate::sh::Real;
 use crate::simulation::{Action, Refusal, Simulation};
+use crate::transport::kind::Precision;
 use crate::transport::lattice::fixed_point;
 
 /// The relative residual to which a fixed point is solved for.
@@ -46,7 +47,7 @@ fn finest(problem: &Problem) -> Problem {
 }
 
 /// A simulation of the finest level alone, with the scene's light injected and nothing propagated yet.
-pub fn injected<T: Real>(problem: &Problem) -> Result<Simulation<T>, Refusal> {
+pub fn injected<T: Precision>(problem: &Problem) -> Result<Simulation<T>, Refusal> {
     let mut simulation = Simulation::new(finest(problem))?;
     simulation.act(Action::Clear);
     simulation.act(Action::Inject);
