@@ -7,9 +7,9 @@
 
 pub mod ballistic;
 pub mod descent;
+pub mod divergence;
 #[cfg(feature = "gpu")]
 pub mod gpu;
-pub mod divergence;
 pub mod kind;
 pub mod lattice;
 pub mod options;
@@ -34,7 +34,7 @@ use crate::scene::error::{Fault, nearest, quote};
 pub fn kinds() -> &'static [Kind] {
     static KINDS: LazyLock<Vec<Kind>> = LazyLock::new(|| {
         let mut kinds = Vec::new();
-        kinds.extend(lattice::kinds());
+        kinds.extend(descent::kinds());
         kinds.extend(ordinates::kinds());
         kinds
     });

@@ -214,7 +214,7 @@ impl Warm {
                 Some(moved) => {
                     descent.skip_to_finest();
                     descent.resume(0, moved, &mut grids);
-                    (1..self.iterations).for_each(|_| descent.iterate(&mut grids));
+                    (1..self.iterations).for_each(|_| descent.iterate(0, &mut grids));
                 }
                 None => descent.run(self.iterations, &mut grids),
             }

@@ -26,16 +26,47 @@ mod conformance;
 mod course;
 pub mod partition;
 mod sample;
+mod staged;
 
-pub use course::{Descent, Grids};
+pub use course::{Descent, Grids, Solids};
 pub use partition::Tiling;
 
-use super::lattice::exact;
+use std::sync::Arc;
+
+use super::kind::{Kind, Setup, Transport};
 use super::lattice::linear::linear_form;
+use super::lattice::schemes;
+use super::lattice::stencil::Stencil;
+use super::lattice::{self, exact};
 use super::refusal::Refusal;
-use crate::field::Levels;
+use crate::field::{Levels, Marks};
 use crate::scene::Problem;
+use crate::scene::propagation::descent::Descent as Asked;
 use crate::sh::Real;
+use staged::Staged;
+
+/// Every scheme as a kind of transport, which descends where a problem asks for it.
+pub fn kinds() -> Vec<Kind> {
+    let kinds = lattice::kinds().into_iter();
+    kinds.map(|kind| Kind { bytes, single: made::<f32>, double: Some(made::<f64>), ..kind }).collect()
+}
+
+fn made<T: Real>(setup: &Setup) -> Result<Box<dyn Transport<T>>, Refusal> {
+    match setup.problem.propagation.descent {
+        Asked::Off => lattice::Lattice::made(setup),
+        _ => Ok(Box::new(Staged::new(setup)?)),
+    }
+}
+
+/// Bytes that a descent keeps beside the state, about: the source of every stage, and a quarter of that for leaves and
+/// their neighbours; or what a lattice keeps.
+fn bytes(problem: &Problem, sizes: Levels, channels: usize, number: usize) -> u64 {
+    if problem.propagation.descent == Asked::Off {
+        return lattice::bytes(problem, sizes, channels, number);
+    }
+    let light = 4 * number as u64 * sizes.cells() as u64;
+    light * channels as u64 + light / 4
+}
 
 /// The descent that a problem asks for, over levels of these sizes.
 pub fn of_problem<T: Real>(problem: &Problem, sizes: Levels) -> Result<Descent<T>, Refusal> {
@@ -43,5 +74,12 @@ pub fn of_problem<T: Real>(problem: &Problem, sizes: Levels) -> Result<Descent<T
     let (form, share) = linear_form::<T>(problem, "a descent")?;
     exact::residence(&share, propagation.factor, sizes.count())?;
     let tiling = Tiling::of(propagation.descent).unwrap_or(Tiling::Cells);
-    Ok(Descent::new(sizes, tiling, form, share, propagation.snapshots))
+    let solids = lattice::occlusion::hard(problem, sizes).zip(schemes::find(&propagation.scheme));
+    let solids = solids.map(|(hard, scheme)| {
+        let mut occupied = Marks::new(sizes.finest());
+        problem.solids.iter().for_each(|solid| occupied.set(solid.cell));
+        let stencil = Stencil::new(&scheme, propagation.factor, propagation.clamp);
+        Arc::new(Solids { hard, occupied, stencil })
+    });
+    Ok(Descent::among(sizes, tiling, (form, share), propagation.snapshots, solids))
 }

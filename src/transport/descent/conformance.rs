@@ -119,7 +119,7 @@ fn a_single_level_is_the_uniform_volume_to_the_bit() {
     let mut snapshot = crate::transport::lattice::kernel::step::once(&form, source);
     assert!(grids.source.level(0) == &snapshot);
     // From there on light is in the cone, and clamped and linear loops differ in rounding alone.
-    descent.iterate(&mut grids);
+    descent.iterate(0, &mut grids);
     snapshot = crate::transport::lattice::kernel::step::once(&form, snapshot);
     let most = snapshot.iter().map(|(_, light)| light.max_norm()).fold(0.0, f32::max);
     for (cell, light) in grids.source.level(0).iter() {
@@ -166,7 +166,7 @@ fn light_that_has_moved_already_is_a_better_start_than_the_dark() {
             Some(start) => descent.resume(0, start, &mut grids),
             None => descent.enter(0, &mut grids),
         }
-        (1..k).for_each(|_| descent.iterate(&mut grids));
+        (1..k).for_each(|_| descent.iterate(0, &mut grids));
         l1(grids.accumulated.level(0), wanted.iter().copied())
     };
     assert!(error(Some(&before), 4) < error(None, 12), "{}, {}", error(Some(&before), 4), error(None, 12));

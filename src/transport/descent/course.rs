@@ -1,5 +1,7 @@
 //! A descent under way: its stages, the source of each, and the iterations on them.
 
+use std::sync::Arc;
+
 use super::partition::{self, Tiling};
 use super::sample;
 use crate::field::{Cell, Grid, Levels, Marks, Octree};
@@ -9,8 +11,11 @@ use crate::sh::{Real, Sh};
 use crate::transport::lattice::exact::decay::Decay;
 use crate::transport::lattice::exact::filter;
 use crate::transport::lattice::exact::leaves::{Leaves, Way};
+use crate::transport::lattice::exact::walls::Solid;
 use crate::transport::lattice::kernel::form::{Form, Share};
+use crate::transport::lattice::kernel::occluded::{Hard, Occluders, Which};
 use crate::transport::lattice::kernel::{Instructions, Level, Order, step};
+use crate::transport::lattice::stencil::Stencil;
 
 /// A descent under way.
 #[derive(Clone, Debug)]
@@ -23,10 +28,24 @@ pub struct Descent<T> {
     snapshots: Snapshots,
     /// The longest that light resides in a leaf.
     residence: f64,
-    /// The leaves of every stage, the coarsest first; none before light was taken up.
-    stages: Vec<Leaves<T>>,
+    /// What stands in light's way.
+    solids: Option<Arc<Solids<T>>>,
+    /// The leaves of every stage, the coarsest first; none before light was taken up. By colour, if walls mirror them
+    /// differently.
+    stages: Vec<Vec<Leaves<T>>>,
     stage: usize,
     channels: Vec<Channel<T>>,
+}
+
+/// Hard occluders, and the scheme that they act in.
+#[derive(Clone, Debug)]
+pub struct Solids<T> {
+    /// The occluders.
+    pub hard: Hard<T>,
+    /// The occupied cells.
+    pub occupied: Marks,
+    /// The scheme, clamps and all.
+    pub stencil: Stencil<T>,
 }
 
 /// One channel's light.
@@ -56,6 +75,17 @@ impl<T: Real> Descent<T> {
     /// one finest step sends to a neighbour after that. Of the `snapshots` it is the sum of all that counts: S + B, or
     /// S + 2·B where the first iteration sends the light twice, or B alone.
     pub fn new(sizes: Levels, tiling: Tiling, form: Form<T>, share: Share<f64>, snapshots: Snapshots) -> Self {
+        Self::among(sizes, tiling, (form, share), snapshots, None)
+    }
+
+    /// As [`Self::new`], with hard occluders.
+    pub fn among(
+        sizes: Levels,
+        tiling: Tiling,
+        (form, share): (Form<T>, Share<f64>),
+        snapshots: Snapshots,
+        solids: Option<Arc<Solids<T>>>,
+    ) -> Self {
         let decay = Decay::of(&share);
         let stay = |i: usize| 6.0 * share.alpha * (1.0 - decay.even(f64::from(1u32 << i)));
         let residence = (0..sizes.count()).map(|i| 1.0 / (1.0 - stay(i))).fold(1.0, f64::max);
@@ -67,6 +97,7 @@ impl<T: Real> Descent<T> {
             decay,
             snapshots,
             residence,
+            solids,
             stages: Vec::new(),
             stage: 0,
             channels: Vec::new(),
@@ -93,13 +124,23 @@ impl<T: Real> Descent<T> {
         for lit in &lit {
             any.words_mut().iter_mut().zip(lit.words()).for_each(|(any, lit)| *any |= lit);
         }
-        let stages = partition::stages(self.sizes, self.tiling, &any);
-        self.stages = stages.into_iter().map(|marks| Leaves::new(&self.share, Way::Ahead, marks)).collect();
-        self.channels = injected.iter().zip(lit).map(|(grid, lit)| self.channel(grid, lit)).collect();
+        let mut near = any;
+        if let Some(solids) = &self.solids {
+            near.words_mut().iter_mut().zip(solids.occupied.words()).for_each(|(near, solid)| *near |= solid);
+        }
+        let stages = partition::stages(self.sizes, self.tiling, &near);
+        let leaves = |marks: &Vec<Marks>, colour: usize| match self.solids.as_deref() {
+            None => Leaves::new(&self.share, Way::Ahead, marks.clone()),
+            Some(Solids { hard, .. }) => Leaves::among(&self.share, Way::Ahead, marks.clone(), &Solid { hard, colour }),
+        };
+        let colours = if self.solids.is_some() { injected.len() } else { 1 };
+        self.stages = (0..colours).map(|colour| stages.iter().map(|marks| leaves(marks, colour)).collect()).collect();
+        let channels = injected.iter().zip(lit).enumerate();
+        self.channels = channels.map(|(colour, (grid, lit))| self.channel(colour, grid, lit)).collect();
         self.stage = 0;
     }
 
-    fn channel(&self, light: &Grid<T>, lit: Marks) -> Channel<T> {
+    fn channel(&self, colour: usize, light: &Grid<T>, lit: Marks) -> Channel<T> {
         let mut moved = Octree::new(self.sizes);
         let mut injected: Vec<Vec<(usize, Sh<T>)>> = Vec::new();
         let at = |grid: &Grid<T>, marks: &Marks| {
@@ -120,7 +161,33 @@ impl<T: Real> Descent<T> {
         }
         moved.clear();
 
+        let mut reached = self.first_step(colour, light, &lit, moved.level_mut(0));
+        if self.snapshots == Snapshots::CopyFirst {
+            moved.level_mut(0).scale(T::of(2.0));
+        }
+        for i in 1..self.sizes.count() {
+            let (finer, coarser) = moved.levels_mut().split_at_mut(i);
+            filter::hand_over(&self.decay, 1 << i, &finer[i - 1], &reached, &mut coarser[0]);
+            if let Some(Solids { hard, .. }) = self.solids.as_deref() {
+                Solid { hard, colour }.darken(i, &mut coarser[0]);
+            }
+            reached = Marks::new(coarser[0].side());
+            reached.mark_lit(&coarser[0]);
+        }
+        if self.snapshots == Snapshots::WithoutInjected {
+            injected.iter_mut().for_each(Vec::clear);
+        }
+        Channel { taken: filter::cells(&lit).map(|cell| (cell, light.get(cell))).collect(), injected, moved }
+    }
+
+    /// Sets `moved` to what the injected light becomes in its first step, clamps and all, and tells where that is.
+    fn first_step(&self, colour: usize, light: &Grid<T>, lit: &Marks, moved: &mut Grid<T>) -> Marks {
         let mut reached = Marks::new(self.sizes.finest());
+        if let Some(Solids { hard, stencil, .. }) = self.solids.as_deref() {
+            Occluders::Hard(hard.clone()).propagate(stencil, Which { level: 0, colour }, light, moved);
+            reached.mark_lit(moved);
+            return reached;
+        }
         let order = Order {
             form: self.form,
             linear: false,
@@ -132,25 +199,13 @@ impl<T: Real> Descent<T> {
         let mut level = Level {
             source: &mut light.clone(),
             source_lit: &mut lit.clone(),
-            target: moved.level_mut(0),
+            target: moved,
             target_lit: &mut Marks::new(self.sizes.finest()),
             sum: None,
             marks: &mut reached,
         };
         step::step(&order, &mut level, 1, None);
-        if self.snapshots == Snapshots::CopyFirst {
-            moved.level_mut(0).scale(T::of(2.0));
-        }
-        for i in 1..self.sizes.count() {
-            let (finer, coarser) = moved.levels_mut().split_at_mut(i);
-            filter::hand_over(&self.decay, 1 << i, &finer[i - 1], &reached, &mut coarser[0]);
-            reached = Marks::new(coarser[0].side());
-            reached.mark_lit(&coarser[0]);
-        }
-        if self.snapshots == Snapshots::WithoutInjected {
-            injected.iter_mut().for_each(Vec::clear);
-        }
-        Channel { taken: filter::cells(&lit).map(|cell| (cell, light.get(cell))).collect(), injected, moved }
+        reached
     }
 
     /// Adds to `light` what was taken up from a channel.
@@ -181,7 +236,11 @@ impl<T: Real> Descent<T> {
 
     /// The leaves of this stage; `None` before light was taken up.
     pub fn leaves(&self) -> Option<&Leaves<T>> {
-        self.stages.get(self.stage)
+        self.leaves_of(0, self.stage)
+    }
+
+    fn leaves_of(&self, channel: usize, stage: usize) -> Option<&Leaves<T>> {
+        self.stages.get(channel).or(self.stages.first())?.get(stage)
     }
 
     /// Goes through all stages with `k` iterations each, for a descent of one channel.
@@ -191,7 +250,7 @@ impl<T: Real> Descent<T> {
                 self.descend();
             }
             self.enter(0, grids);
-            (1..k).for_each(|_| self.iterate(grids));
+            (1..k).for_each(|_| self.iterate(0, grids));
         }
     }
 
@@ -207,16 +266,17 @@ impl<T: Real> Descent<T> {
 
     /// The first iteration of this stage for a channel: starts from what the stage before has found.
     pub fn enter(&self, channel: usize, grids: &mut Grids<'_, T>) {
-        let (Some(leaves), Some(Channel { injected, moved, .. })) = (self.leaves(), self.channels.get(channel)) else {
+        let (Some(leaves), Some(Channel { injected, moved, .. })) =
+            (self.leaves_of(channel, self.stage), self.channels.get(channel))
+        else {
             return;
         };
-        match self.stage.checked_sub(1) {
+        match self.stage.checked_sub(1).and_then(|before| self.leaves_of(channel, before)) {
             None => {
                 let Grids { source, target, accumulated } = grids;
                 [source, target, accumulated].into_iter().for_each(|octree| octree.clear());
             }
             Some(before) => {
-                let before = &self.stages[before];
                 before.clear(grids.source);
                 before.clear(grids.target);
                 self.hand_down(channel, before, grids.accumulated);
@@ -228,7 +288,9 @@ impl<T: Real> Descent<T> {
     /// The first iteration at the finest level for a channel that starts from light that has moved already, cell by
     /// cell: what another descent left there, for other injected light.
     pub fn resume(&self, channel: usize, moved_before: &Grid<T>, grids: &mut Grids<'_, T>) {
-        let (Some(leaves), Some(Channel { injected, moved, .. })) = (self.leaves(), self.channels.get(channel)) else {
+        let (Some(leaves), Some(Channel { injected, moved, .. })) =
+            (self.leaves_of(channel, self.stage), self.channels.get(channel))
+        else {
             return;
         };
         let Grids { source, target, accumulated } = grids;
@@ -260,8 +322,8 @@ impl<T: Real> Descent<T> {
     }
 
     /// Another iteration of this stage for a channel.
-    pub fn iterate(&self, grids: &mut Grids<'_, T>) {
-        let Some(leaves) = self.leaves() else { return };
+    pub fn iterate(&self, channel: usize, grids: &mut Grids<'_, T>) {
+        let Some(leaves) = self.leaves_of(channel, self.stage) else { return };
         leaves.apply(grids.source, grids.target);
         self.take(leaves, grids);
     }
@@ -299,7 +361,7 @@ impl<T: Real> Descent<T> {
     /// Stores the accumulated light of a channel in every finest cell: B as the leaves hold it `inside`, and S where it
     /// was injected.
     pub fn sample(&self, channel: usize, inside: Inside, accumulated: &Octree<T>, merged: &mut Grid<T>) {
-        let (Some(leaves), Some(found)) = (self.leaves(), self.channels.get(channel)) else {
+        let (Some(leaves), Some(found)) = (self.leaves_of(channel, self.stage), self.channels.get(channel)) else {
             merged.clear();
             return;
         };
@@ -318,6 +380,7 @@ impl<T: Real> Descent<T> {
             let taken = channel.taken.capacity() * size_of::<(Cell, Sh<T>)>();
             channel.moved.bytes() + injected * size_of::<(usize, Sh<T>)>() + taken
         };
-        self.stages.iter().map(Leaves::bytes).sum::<usize>() + self.channels.iter().map(channel).sum::<usize>()
+        self.stages.iter().flatten().map(Leaves::bytes).sum::<usize>()
+            + self.channels.iter().map(channel).sum::<usize>()
     }
 }

@@ -9,7 +9,7 @@
 use std::sync::Arc;
 
 use super::course::{Descent, Grids};
-use crate::field::{Grid, Levels, Octree};
+use crate::field::{Grid, Octree};
 use crate::scene::Problem;
 use crate::sh::Real;
 use crate::transport::divergence::{Divergence, limit};
@@ -45,11 +45,8 @@ impl Ceiling {
     fn next(self, enters: bool) -> Self {
         // A leaf that is split hands at most eight times its mean to a child.
         let before = if enters { 8.0 * self.accumulated } else { self.accumulated };
-        let source = if enters {
-            self.norm * (self.norm * self.injected + before) + before
-        } else {
-            self.norm * self.source
-        };
+        let source =
+            if enters { self.norm * (self.norm * self.injected + before) + before } else { self.norm * self.source };
         Ceiling { source, accumulated: before + source + self.injected, ..self }
     }
 
@@ -142,7 +139,7 @@ impl<T: Real> Transport<T> for Staged<T> {
             if enters {
                 self.descent.enter(channel, &mut grids);
             } else {
-                self.descent.iterate(&mut grids);
+                self.descent.iterate(channel, &mut grids);
             }
         }
         self.done = if enters { 1 } else { self.done + 1 };
@@ -165,10 +162,6 @@ impl<T: Real> Transport<T> for Staged<T> {
         } else {
             state.index.merge(accumulated, merged);
         }
-    }
-
-    fn iterations(&self, asked: usize, state: &State<T>) -> usize {
-        asked * state.sizes().count()
     }
 
     fn bytes(&self) -> usize {

@@ -8,7 +8,9 @@
 use super::exact::decay::Decay;
 use super::exact::filter;
 use super::exact::leaves::{Leaves, Way};
+use super::exact::walls::{Open, Solid};
 use super::kernel::form::Share;
+use super::kernel::occluded::Hard;
 use crate::field::{Levels, Marks, Octree};
 use crate::sh::Real;
 use crate::transport::options::Work;
@@ -18,17 +20,24 @@ use crate::transport::state::State;
 #[derive(Clone, Debug)]
 pub(super) struct Coarse<T> {
     decay: Decay,
-    /// From level 1 on.
-    levels: Vec<Leaves<T>>,
+    /// By colour, if walls mirror them differently; each from level 1 on.
+    colours: Vec<Vec<Leaves<T>>>,
+    hard: Option<Hard<T>>,
     /// Whether the coarser levels hold means of injected light, which has not moved yet.
     at_rest: bool,
 }
 
 impl<T: Real> Coarse<T> {
-    /// For levels of these sizes; `share` is what one finest step sends to a neighbour.
-    pub(super) fn new(share: &Share<f64>, sizes: Levels) -> Self {
-        let level = |i: usize| Leaves::uniform(share, Way::InStep, i, sizes.side(i));
-        Coarse { decay: Decay::of(share), levels: (1..sizes.count()).map(level).collect(), at_rest: true }
+    /// For levels of these sizes, and so many colours; `share` is what one finest step sends to a neighbour, `hard` what
+    /// stands in its way.
+    pub(super) fn new(share: &Share<f64>, sizes: Levels, colours: usize, hard: Option<Hard<T>>) -> Self {
+        let level = |i: usize, colour: usize| match &hard {
+            None => Leaves::uniform(share, Way::InStep, i, sizes.side(i), &Open),
+            Some(hard) => Leaves::uniform(share, Way::InStep, i, sizes.side(i), &Solid { hard, colour }),
+        };
+        let colours = if hard.is_some() { colours } else { 1 };
+        let colours = (0..colours).map(|colour| (1..sizes.count()).map(|i| level(i, colour)).collect()).collect();
+        Coarse { decay: Decay::of(share), colours, hard, at_rest: true }
     }
 
     /// Takes note that the coarser levels were filled with means of the finest.
@@ -41,8 +50,9 @@ impl<T: Real> Coarse<T> {
         let volume = state.sizes().cells() * state.lights.len();
         let finest = state.sizes().finest().pow(3) * state.lights.len();
         let State { lights, index, .. } = state;
-        for light in lights {
-            for (i, leaves) in (1..).zip(&self.levels) {
+        for (colour, light) in lights.iter_mut().enumerate() {
+            let levels = self.colours.get(colour).or(self.colours.first());
+            for (i, leaves) in (1..).zip(levels.into_iter().flatten()) {
                 if self.at_rest {
                     self.hand_over(i, &light.source, &mut light.target);
                 } else {
@@ -64,10 +74,13 @@ impl<T: Real> Coarse<T> {
         lit.mark_lit(finer);
         target.level_mut(i).clear();
         filter::hand_over(&self.decay, 1 << i, finer, &lit, target.level_mut(i));
+        if let Some(hard) = &self.hard {
+            Solid { hard, colour: 0 }.darken(i, target.level_mut(i));
+        }
     }
 
     /// Bytes of memory it holds.
     pub(super) fn bytes(&self) -> usize {
-        self.levels.iter().map(Leaves::bytes).sum()
+        self.colours.iter().flatten().map(Leaves::bytes).sum()
     }
 }

@@ -1,11 +1,18 @@
 //! What must be true of [`Leaves`], whatever tiles the volume.
 
+use glam::DVec3;
+
 use super::decay::Decay;
 use super::leaves::{Leaves, Way};
+use super::walls;
 use crate::field::{Cell, Grid, Layout, Levels, Marks, Octree};
+use crate::scene::Solid;
 use crate::sh::{LOBE0, Sh};
 use crate::transport::lattice::active::everywhere;
+use crate::transport::lattice::barrier::Barrier;
+use crate::transport::lattice::geometry::Geometry;
 use crate::transport::lattice::kernel::form::{Form, Share};
+use crate::transport::lattice::kernel::occluded::{Hard, Occluders, Which};
 use crate::transport::lattice::kernel::{self, Instructions, Level, Order};
 use crate::transport::lattice::schemes::{cascaded, find};
 use crate::transport::lattice::stencil::Stencil;
@@ -93,7 +100,7 @@ fn all_leaves_at_the_finest_level_are_the_uniform_volume_to_the_bit() {
     };
     kernel::step::step(&order, &mut level, 1, None);
     for way in [Way::InStep, Way::Ahead] {
-        let leaves = Leaves::<f32>::uniform(&widened(form.share), way, 0, N);
+        let leaves = Leaves::<f32>::uniform(&widened(form.share), way, 0, N, &walls::Open);
         let mut target = Octree::new(source.sizes());
         leaves.apply(&source, &mut target);
         assert!(target.level(0) == &wanted, "{way:?}");
@@ -106,7 +113,7 @@ fn plane_light_goes_through_every_level_as_through_the_finest() {
     let share = share(3.0);
     for level in 0..3 {
         let (n, h) = (N >> level, 1usize << level);
-        let leaves = Leaves::<f64>::uniform(&share, Way::InStep, level, n);
+        let leaves = Leaves::<f64>::uniform(&share, Way::InStep, level, n, &walls::Open);
         let mu = Decay::of(&share).mu();
         // A sum of e^(μx) and e^(−μx) with a direction, as the two are everywhere.
         let plane = |x: f64| Sh([(mu * (x - 7.0)).cosh(), 0.3 * (mu * (x - 7.0)).sinh(), 0.0, 0.0]);
@@ -159,6 +166,32 @@ fn energy_gains_a_quarter_of_the_factor_in_any_tiling() {
             assert!(before > 1.0 && leaves.levels() == (0..5));
             assert!((after / before - factor / 4.0).abs() < 1e-12, "p = {factor}, {centre:?}: {}", after / before);
         }
+    }
+}
+
+#[test]
+fn walls_between_finest_leaves_are_those_of_the_uniform_volume() {
+    let solid = |cell: Cell| Solid { cell, normal: DVec3::NEG_X, opacity: 0.75, albedo: [0.5; 3] };
+    let cells = Layout::new(N).cells().filter(|[x, y, z]| *x == 5 && (*y, *z) != (3, 4));
+    let solids: Vec<Solid> = cells.map(solid).collect();
+    let sizes = Levels::new(N, 1).unwrap();
+    let (barrier, geometry) = (Barrier::new(sizes, &solids, [[0, 0, 0]]), Geometry::new(sizes, &solids));
+    let hard = Hard { barrier, geometry, bounce: 0.8 };
+    let occluders = Occluders::Hard(hard.clone());
+    let mut source = Octree::new(sizes);
+    for (k, cell) in Layout::new(N).cells().enumerate() {
+        source.level_mut(0).set(cell, some_light(k));
+    }
+    let mut wanted = Grid::new(N);
+    occluders.propagate(&stencil(3.0), Which { level: 0, colour: 0 }, source.level(0), &mut wanted);
+    let mut marks: Vec<Marks> = sizes.sides().map(Marks::new).collect();
+    marks[0] = everywhere(N);
+    let leaves = Leaves::<f64>::among(&share(3.0), Way::InStep, marks, &walls::Solid { hard: &hard, colour: 0 });
+    let mut target = Octree::new(sizes);
+    leaves.apply(&source, &mut target);
+    for (cell, light) in wanted.iter() {
+        let found = target.level(0).get(cell);
+        assert!((found - light).max_norm() < 1e-13, "{cell:?}: {found:?}, {light:?}");
     }
 }
 

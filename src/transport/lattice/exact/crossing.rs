@@ -42,6 +42,20 @@ impl Crossing {
         Self::through(decay.face(own, beyond), own, beyond)
     }
 
+    /// As [`Self::between`], where of the light that enters the cell a share `here` passes, and of that which enters the
+    /// other a share `there`. As far as either is shut the two know nothing of each other: light falls off towards the
+    /// face as towards an open border.
+    pub fn behind(decay: &Decay, own: f64, beyond: f64, [here, there]: [f64; 2]) -> Self {
+        let open = here * there;
+        let mix = |[near, far]: [f64; 2], alone: f64| [open * near + (1.0 - open) * alone, open * far];
+        let face = decay.face(own, beyond);
+        let [own_own, own_beyond] = mix(face.left, decay.border(own));
+        let [beyond_own, beyond_beyond] = face.right;
+        let [beyond_beyond, beyond_own] = mix([beyond_beyond, beyond_own], decay.border(beyond));
+        let face = Face { left: [own_own, own_beyond], right: [here * beyond_own, here * beyond_beyond] };
+        Self::through(face, own, beyond)
+    }
+
     /// As [`Self::between`], with the planes beside the face given; its own is the left one.
     pub fn through(face: Face, own: f64, beyond: f64) -> Self {
         let area = own.min(beyond).powi(2) / own.powi(3);
@@ -87,6 +101,21 @@ mod tests {
             assert!((va * here.beyond.odd - vb * there.own.odd).abs() < 1e-12);
             assert!((va * here.own.odd - vb * there.beyond.odd).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn a_shut_face_passes_nothing_and_an_open_one_everything() {
+        let decay = Decay::new(0.7);
+        for (own, beyond) in [(1.0, 1.0), (2.0, 1.0), (4.0, 8.0)] {
+            assert_eq!(Crossing::behind(&decay, own, beyond, [1.0; 2]), Crossing::between(&decay, own, beyond));
+            let shut = Crossing::behind(&decay, own, beyond, [0.0, 1.0]);
+            assert_eq!(shut.beyond, Pass { even: 0.0, odd: 0.0 });
+            let area = own.min(beyond).powi(2) / own.powi(2);
+            assert!((shut.own.even - area * Crossing::open(&decay, own).own.even).abs() < 1e-15);
+        }
+        // Between finest cells what enters is thinned and what leaves is not.
+        let half = Crossing::behind(&decay, 1.0, 1.0, [0.5, 1.0]);
+        assert_eq!((half.beyond.even, half.own.even), (0.5, -1.0));
     }
 
     #[test]

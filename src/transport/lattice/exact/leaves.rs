@@ -20,14 +20,15 @@
 //! the equation of c00.
 //!
 //! Most leaves have six neighbours of their own size: *inner* ones, for which D is a number for each band. They lie in
-//! runs along x. The others, at the border of the volume or beside another level, are *seams*.
+//! runs along x. The others, at the border of the volume, beside another level or a wall, are *seams*.
 
 use std::ops::Range;
 
 use super::crossing::{Crossing, Pass};
 use super::decay::Decay;
 use super::filter::cells;
-use crate::field::{Layout, Marks, row_mask};
+use super::walls::{Open, Walls};
+use crate::field::{Cell, Layout, Marks, row_mask};
 use crate::sh::{Real, Sh};
 use crate::transport::lattice::face::Direction;
 use crate::transport::lattice::kernel::form::Share;
@@ -64,8 +65,6 @@ pub struct Tier<T> {
     /// The inner ones.
     pub(super) runs: Vec<Run>,
     pub(super) seams: Vec<Seam<T>>,
-    /// What comes from a neighbour of the same level, the next coarser and the next finer one.
-    pub(super) beyond: [[T; 2]; 3],
 }
 
 /// What an inner leaf takes: a neighbour's share, and what stays, for c00 and for the direction.
@@ -91,16 +90,20 @@ pub(super) struct Seam<T> {
     pub(super) at: u32,
     /// What lies beyond its faces, in the order of [`Direction::ALL`].
     pub(super) sides: [Side; 6],
-    /// The own parts of its faces, summed for each axis.
-    pub(super) own: [Own<T>; 3],
+    /// What of it comes in: the multiples of the even and of the odd numbers of the share.
+    pub(super) passes: [[T; 2]; 6],
+    /// D.
+    pub(super) within: Within<T>,
 }
 
-/// The own parts of the two faces across an axis.
+/// The own parts of the faces across an axis.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Own<T> {
-    pub(super) even: T,
+struct Own {
+    even: f64,
     /// Outward through the upper face counts up, through the lower face down.
-    pub(super) odd: T,
+    odd: f64,
+    /// What is mirrored at the faces, through the upper and through the lower one.
+    mirrored: [f64; 2],
 }
 
 /// What lies beyond a face; places are those in the planes of the neighbour's level.
@@ -115,21 +118,26 @@ pub(super) enum Side {
 
 impl<T: Real> Leaves<T> {
     /// All cells of level `level`, of the given side; no other level has leaves.
-    pub fn uniform(share: &Share<f64>, way: Way, level: usize, side: usize) -> Self {
+    pub fn uniform(share: &Share<f64>, way: Way, level: usize, side: usize, walls: &dyn Walls) -> Self {
         let mut all = Marks::new(side);
         all.words_mut().fill(row_mask(side));
-        Self::from_level(share, way, level, vec![all])
+        Self::from_level(share, way, level, vec![all], walls)
     }
 
     /// The leaves that `marks` tells, one set a level, the finest first: they must tile the volume, and leaves that
     /// share a face must be of the same level or of neighbouring ones. `share` is that of one finest step.
     pub fn new(share: &Share<f64>, way: Way, marks: Vec<Marks>) -> Self {
-        Self::from_level(share, way, 0, marks)
+        Self::from_level(share, way, 0, marks, &Open)
     }
 
-    fn from_level(share: &Share<f64>, way: Way, first: usize, marks: Vec<Marks>) -> Self {
+    /// As [`Self::new`], with walls that stand in the way.
+    pub fn among(share: &Share<f64>, way: Way, marks: Vec<Marks>, walls: &dyn Walls) -> Self {
+        Self::from_level(share, way, 0, marks, walls)
+    }
+
+    fn from_level(share: &Share<f64>, way: Way, first: usize, marks: Vec<Marks>, walls: &dyn Walls) -> Self {
         let decay = Decay::of(share);
-        let tier = |at: usize| Tier::new((share, &decay, way), first + at, &marks, at);
+        let tier = |at: usize| Tier::new((share, &decay, way), first + at, &marks, at, walls);
         Leaves { tiers: (0..marks.len()).map(tier).collect(), first, way, share: cast(share) }
     }
 
@@ -182,56 +190,35 @@ impl<T: Real> Leaves<T> {
 
 impl<T: Real> Tier<T> {
     /// The leaves of level `level`, which `marks` has at `i`.
-    fn new((share, decay, way): (&Share<f64>, &Decay, Way), level: usize, marks: &[Marks], i: usize) -> Self {
+    fn new(
+        (share, decay, way): (&Share<f64>, &Decay, Way),
+        level: usize,
+        marks: &[Marks],
+        i: usize,
+        walls: &dyn Walls,
+    ) -> Self {
         let here = &marks[i];
-        let h = f64::from(1u32 << level);
-        let same = Crossing::between(decay, h, h);
-        let coarser = Crossing::between(decay, h, 2.0 * h);
-        // Level 0 has no finer one.
-        let finer = if level == 0 { Crossing::default() } else { Crossing::between(decay, h, 0.5 * h) };
-        let open = Crossing::open(decay, h);
-        let inner = Inner::new(share, way, same);
-
-        let [enclosed, others] = split(here, level == 0);
-        let layout = Layout::new(here.side());
-        let place = |marks: &Marks, cell| Layout::new(marks.side()).index(cell) as u32;
-        let seam = |cell: [usize; 3]| {
-            let mut own = [Own { even: 0.0, odd: 0.0 }; 3];
-            let sides = Direction::ALL.map(|d| {
-                let (axis, sign) = (d.axis(), if d.is_positive() { 1.0 } else { -1.0 });
-                let mut passes = |pass: Pass, times: f64| {
-                    own[axis].even += times * pass.even;
-                    own[axis].odd += times * sign * pass.odd;
-                };
-                let Some(next) = d.neighbour(cell, here.side()) else {
-                    passes(open.own, 1.0);
-                    return Side::Dark;
-                };
-                if here.get(next) {
-                    passes(same.own, 1.0);
-                    return Side::Same(place(here, next));
-                }
-                let parent = next.map(|c| c / 2);
-                match marks.get(i + 1) {
-                    Some(above) if above.get(parent) => {
-                        passes(coarser.own, 1.0);
-                        Side::Coarser(place(above, parent))
-                    }
-                    _ => {
-                        passes(finer.own, 4.0);
-                        let mut first = next.map(|c| 2 * c);
-                        first[axis] += usize::from(!d.is_positive());
-                        Side::Finer(place(&marks[i - 1], first))
-                    }
-                }
-            });
-            let own = own.map(|own| Own { even: T::of(own.even), odd: T::of(own.odd) });
-            Seam { at: layout.index(cell) as u32, sides, own }
-        };
+        let inner = Inner::new(share, way, Crossing::between(decay, width(level), width(level)));
+        let [mut enclosed, mut others] = split(here, level == 0);
+        for cell in cells(here).filter(|cell| is_walled(walls, level, *cell, here.side())) {
+            enclosed.put(cell, false);
+            others.set(cell);
+        }
+        let seam = |cell| Seam::new((share, decay), level, (marks, i), cell, walls);
         let seams = cells(&others).map(seam).collect();
-        let beyond = [same, coarser, finer].map(|c| [T::of(c.beyond.even), T::of(c.beyond.odd)]);
-        Tier { marks: here.clone(), count: here.count(), all: runs(here), inner, runs: runs(&enclosed), seams, beyond }
+        Tier { marks: here.clone(), count: here.count(), all: runs(here), inner, runs: runs(&enclosed), seams }
     }
+}
+
+/// The width of a cell of a level, in finest cells.
+fn width(level: usize) -> f64 {
+    f64::from(1u32 << level)
+}
+
+/// Whether anything stands in the way of light that enters a cell or one of its neighbours.
+fn is_walled(walls: &dyn Walls, level: usize, cell: Cell, n: usize) -> bool {
+    let shut = |cell| (0..3).any(|axis| walls.passes(level, cell, axis) < 1.0);
+    shut(cell) || Direction::ALL.iter().any(|d| d.neighbour(cell, n).is_some_and(shut))
 }
 
 impl<T: Real> Inner<T> {
@@ -256,18 +243,58 @@ impl<T: Real> Inner<T> {
 }
 
 impl<T: Real> Seam<T> {
-    /// D of this leaf.
-    pub(super) fn within(&self, share: &Share<T>) -> Within<T> {
-        let [x, y, z] = self.own;
-        let even = x.even + y.even + z.even;
-        let along =
-            |own: Own<T>| share.delta * (T::of(2.0) + own.even) + share.epsilon * (T::of(4.0) + (even - own.even));
-        Within {
-            mean: share.alpha * (T::of(6.0) + even),
-            direction: [x, y, z].map(along),
-            inward: [x, y, z].map(|own| share.beta * own.odd),
-            outward: [x, y, z].map(|own| share.gamma * own.odd),
-        }
+    /// A leaf of level `level`, which `marks` has at `i`.
+    fn new(
+        (share, decay): (&Share<f64>, &Decay),
+        level: usize,
+        (marks, i): (&[Marks], usize),
+        cell: Cell,
+        walls: &dyn Walls,
+    ) -> Self {
+        let (here, h) = (&marks[i], width(level));
+        let place = |marks: &Marks, cell| Layout::new(marks.side()).index(cell) as u32;
+        let mut own = [Own::default(); 3];
+        let faces = Direction::ALL.map(|d| {
+            let (axis, up) = (d.axis(), d.is_positive());
+            let own = &mut own[axis];
+            let mut meets = |crossing: Crossing, times: f64| {
+                own.even += times * crossing.own.even;
+                own.odd += times * if up { crossing.own.odd } else { -crossing.own.odd };
+                [T::of(crossing.beyond.even), T::of(crossing.beyond.odd)]
+            };
+            let Some(next) = d.neighbour(cell, here.side()) else {
+                return (Side::Dark, meets(Crossing::open(decay, h), 1.0));
+            };
+            // What lies beyond: its level, the cells that touch the face, and how the loops find them.
+            let parent = next.map(|c| c / 2);
+            let (other, touching, side) = if here.get(next) {
+                (level, vec![next], Side::Same(place(here, next)))
+            } else if let Some(above) = marks.get(i + 1).filter(|above| above.get(parent)) {
+                (level + 1, vec![parent], Side::Coarser(place(above, parent)))
+            } else {
+                let mut first = next.map(|c| 2 * c);
+                first[axis] += usize::from(!up);
+                let four = (0..4).map(|k| {
+                    let mut child = first;
+                    child[(axis + 1) % 3] += k & 1;
+                    child[(axis + 2) % 3] += k >> 1;
+                    child
+                });
+                (level - 1, four.collect(), Side::Finer(place(&marks[i - 1], first)))
+            };
+            let count = touching.len() as f64;
+            let mean = |of: &dyn Fn(Cell) -> f64| touching.iter().map(|cell| of(*cell)).sum::<f64>() / count;
+            let enters = walls.passes(level, cell, axis);
+            let leaves = mean(&|cell| walls.passes(other, cell, axis));
+            let pass = meets(Crossing::behind(decay, h, width(other), [enters, leaves]), count);
+            if leaves < 1.0 {
+                let mirrored = mean(&|cell| (1.0 - walls.passes(other, cell, axis)) * walls.mirrors(other, cell));
+                own.mirrored[usize::from(!up)] = enters * mirrored * decay.border(h) / h;
+            }
+            (side, pass)
+        });
+        let within = Within::new(share, own);
+        Seam { at: place(here, cell), sides: faces.map(|(side, _)| side), passes: faces.map(|(_, pass)| pass), within }
     }
 }
 
@@ -283,6 +310,25 @@ pub(super) struct Within<T> {
 }
 
 impl<T: Real> Within<T> {
+    /// From the own parts of the faces across each axis.
+    fn new(share: &Share<f64>, own: [Own; 3]) -> Self {
+        let Share { alpha, beta, gamma, delta, epsilon } = *share;
+        let sum = |of: &dyn Fn(&Own) -> f64| own.iter().map(of).sum::<f64>();
+        let (even, mirrored) = (sum(&|own| own.even), sum(&|own| own.mirrored[0] + own.mirrored[1]));
+        // A mirror turns the direction across it: what comes back of a share has γ and δ the other way round.
+        let direction = |own: &Own| {
+            let back = own.mirrored[0] + own.mirrored[1];
+            delta * (2.0 + own.even - back) + epsilon * (4.0 + (even - own.even) + (mirrored - back))
+        };
+        let turned = |own: &Own| own.mirrored[0] - own.mirrored[1];
+        Within {
+            mean: T::of(alpha * (6.0 + even + mirrored)),
+            direction: own.map(|own| T::of(direction(&own))),
+            inward: own.map(|own| T::of(beta * (own.odd + turned(&own)))),
+            outward: own.map(|own| T::of(gamma * (own.odd - turned(&own)))),
+        }
+    }
+
     /// D·a
     pub(super) fn apply(&self, Sh([c, v @ ..]): Sh<T>) -> Sh<T> {
         let axis = |k: usize| self.outward[k] * c + self.direction[k] * v[k];
@@ -429,8 +475,8 @@ mod tests {
     #[test]
     fn solving_undoes_what_stays_in_a_leaf() {
         let share = Share { alpha: 0.125, beta: 0.05, gamma: 0.04, delta: 0.03, epsilon: 0.06 };
-        let own = [(-0.2, 0.1), (-0.9, -0.3), (-0.5, 0.0)].map(|(even, odd)| Own { even, odd });
-        let within = Seam::<f64> { at: 0, sides: [Side::Dark; 6], own }.within(&share);
+        let own = [(-0.2, 0.1), (-0.9, -0.3), (-0.5, 0.0)].map(|(even, odd)| Own { even, odd, mirrored: [0.1, 0.2] });
+        let within = Within::<f64>::new(&share, own);
         let light = Sh([1.0, 0.3, -0.2, 0.7]);
         let left = light - within.apply(light);
         assert!((within.solve(left) - light).max_norm() < 1e-14);

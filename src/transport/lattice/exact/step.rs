@@ -6,7 +6,7 @@
 
 use multiversion::multiversion;
 
-use super::leaves::{Inner, Leaves, Run, Seam, Side, Tier, Way};
+use super::leaves::{Inner, Leaves, Run, Seam, Side, Way};
 use crate::field::{Grid, Octree};
 use crate::sh::{Real, Sh};
 use crate::transport::lattice::face::Direction;
@@ -37,27 +37,26 @@ impl<T: Real> Leaves<T> {
         let around = Around { here, finer: finer.unwrap_or(here), coarser: coarser.unwrap_or(here) };
         let mut planes = target.planes_mut();
         for seam in &tier.seams {
-            let light = settle(self.seam(tier, seam, &around));
+            let light = settle(self.seam(seam, &around));
             let at = seam.at as usize;
             planes.iter_mut().zip(light.0).for_each(|(plane, c)| plane[at] = c);
         }
     }
 
-    fn seam(&self, tier: &Tier<T>, seam: &Seam<T>, around: &Around<'_, T>) -> Sh<T> {
+    fn seam(&self, seam: &Seam<T>, around: &Around<'_, T>) -> Sh<T> {
         let mut received = Sh::ZERO;
-        for (d, side) in Direction::ALL.into_iter().zip(seam.sides) {
-            let (light, pass) = match side {
+        for ((d, side), pass) in Direction::ALL.into_iter().zip(seam.sides).zip(seam.passes) {
+            let light = match side {
                 Side::Dark => continue,
-                Side::Same(at) => (around.here.at(at as usize), tier.beyond[0]),
-                Side::Coarser(at) => (around.coarser.at(at as usize), tier.beyond[1]),
-                Side::Finer(at) => (four(around.finer, at as usize, d.axis()), tier.beyond[2]),
+                Side::Same(at) => around.here.at(at as usize),
+                Side::Coarser(at) => around.coarser.at(at as usize),
+                Side::Finer(at) => four(around.finer, at as usize, d.axis()),
             };
             received += send(self.share(), pass, d, light);
         }
-        let within = seam.within(self.share());
         match self.way() {
-            Way::InStep => received + within.apply(around.here.at(seam.at as usize)),
-            Way::Ahead => within.solve(received),
+            Way::InStep => received + seam.within.apply(around.here.at(seam.at as usize)),
+            Way::Ahead => seam.within.solve(received),
         }
     }
 
@@ -77,7 +76,7 @@ impl<T: Real> Leaves<T> {
             let at = seam.at as usize;
             let light = match self.way() {
                 Way::InStep => source.at(at),
-                Way::Ahead => seam.within(self.share()).solve(source.at(at)),
+                Way::Ahead => seam.within.solve(source.at(at)),
             };
             to.iter_mut().zip(light.0).for_each(|(plane, c)| plane[at] += c);
         }
