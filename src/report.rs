@@ -7,6 +7,7 @@ pub mod animation;
 mod axis;
 pub mod colour;
 pub mod error_plot;
+pub mod fonts;
 pub mod glyph;
 mod legend;
 pub mod number;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::console::{remark, say};
 use super::output::Folder;
 use super::{CliError, SceneArgs};
 use crate::field::{Cell, Channels, Grid};
@@ -92,7 +93,7 @@ pub fn run(args: &MotionArgs) -> Result<(), CliError> {
     let moving = preset.injectors.iter().filter(|injector| injector.enabled);
     let paths: Vec<&[Keyframe]> = moving.map(|injector| injector.path.as_slice()).collect();
     if paths.iter().all(|path| path.is_empty()) {
-        eprintln!("lpv-lab: warning: no injector has a path, so nothing moves");
+        remark!("warning: no injector has a path, so nothing moves");
     }
     let out = args.out.clone();
     let folder = Folder::create(
@@ -135,8 +136,9 @@ pub fn run(args: &MotionArgs) -> Result<(), CliError> {
     if let Some(animation) = animation::of_pngs(&pictures, args.rate) {
         folder.write("animation.png", animation)?;
     }
+    folder.finish();
     let error = frames.iter().map(|frame| frame.error).sum::<f64>() / frames.len().max(1) as f64;
-    println!(
+    say!(
         "{} frames: mean flicker {:.4}, mean L1 error {error:.4}; results in {}",
         frames.len(),
         motion::overall(&frames),

@@ -7,7 +7,7 @@ use clap::Args;
 use indicatif::ProgressBar;
 
 use super::output::Folder;
-use super::{CliError, SceneArgs};
+use super::{CliError, SceneArgs, console};
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
 use crate::report::table::Table;
@@ -85,9 +85,11 @@ pub fn run(args: &OctreeArgs) -> Result<(), CliError> {
         rows.extend(measured.unwrap_or_default());
     }
     let table = table(&rows);
-    print!("{}", table.to_text());
+    console::print(format_args!("{}", table.to_text()));
     folder.write_table("octree.csv", &table)?;
-    folder.write_svg_and_png("octree", &figure(&rows).to_svg())
+    folder.write_svg_and_png("octree", &figure(&rows).to_svg())?;
+    folder.finish();
+    Ok(())
 }
 
 impl OctreeArgs {
