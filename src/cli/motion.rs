@@ -136,7 +136,6 @@ pub fn run(args: &MotionArgs) -> Result<(), CliError> {
     if let Some(animation) = animation::of_pngs(&pictures, args.rate) {
         folder.write("animation.png", animation)?;
     }
-    folder.finish();
     let error = frames.iter().map(|frame| frame.error).sum::<f64>() / frames.len().max(1) as f64;
     say!(
         "{} frames: mean flicker {:.4}, mean L1 error {error:.4}; results in {}",
@@ -144,6 +143,7 @@ pub fn run(args: &MotionArgs) -> Result<(), CliError> {
         motion::overall(&frames),
         folder.path().display()
     );
+    folder.finish();
     Ok(())
 }
 
