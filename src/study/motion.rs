@@ -12,7 +12,7 @@
 //!
 //! 0 where light changes as it should, 0.1 where it changes by a tenth more or less.
 
-use super::error::channel_scales;
+use super::light::channel_scales;
 use crate::field::{Cell, Grid, Levels, Octree};
 use crate::scene::path::{self, Keyframe, Placing};
 use crate::scene::propagation::descent::Descent as Asked;
@@ -127,7 +127,7 @@ fn cold(problem: Problem) -> Result<(Vec<Grid<f32>>, Vec<f64>), Refusal> {
     let mut simulation = Simulation::<f32>::new(problem)?;
     simulation.run_all(Wanted::Merged);
     let light = simulation.lights().iter().filter_map(|light| light.merged.clone()).collect();
-    Ok((light, channel_scales(&simulation)))
+    Ok((light, channel_scales(simulation.channels())))
 }
 
 /// All light there would ever be in the uniform volume.
@@ -196,10 +196,9 @@ impl Warm {
             let dark = || Octree::new(sizes);
             Ok(Channel { descent: of_problem(&problem, sizes)?, grids: [dark(), dark(), dark()], moved: None })
         };
-        let scale = |c| channels.rgb().iter().filter(|s| s.channel == c).map(|s| s.scale).fold(0.0, f64::max);
         Ok(Warm {
             iterations: problem.propagation.iterations.max(1),
-            scales: (0..channels.count()).map(scale).collect(),
+            scales: channel_scales(&channels),
             channels: (0..channels.count()).map(|_| channel()).collect::<Result<_, _>>()?,
         })
     }

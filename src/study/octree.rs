@@ -7,8 +7,8 @@
 
 use std::time::Instant;
 
-use super::ballistic::l1;
-use super::error::channel_scales;
+use super::fit::l1;
+use super::light::channel_scales;
 use super::pareto;
 use crate::field::Grid;
 use crate::scene::Problem;
@@ -165,7 +165,7 @@ fn run(way: Way, problem: &Problem, k: usize) -> Result<Outcome, Refusal> {
         _ => simulation.sizes().cells() * k,
     };
     let light = simulation.lights().iter().filter_map(|light| light.merged.clone()).collect();
-    let scales = channel_scales(&simulation);
+    let scales = channel_scales(simulation.channels());
     Ok(Outcome { light, scales, iterations: k, cells: updates / k.max(1), updates, seconds })
 }
 
@@ -182,6 +182,6 @@ fn solve(problem: &Problem, tolerance: f64) -> Result<Outcome, NoFixedPoint> {
     }
     let seconds = started.elapsed().as_secs_f64();
     let cells = problem.size.pow(3);
-    let scales = channel_scales(&injected);
+    let scales = channel_scales(injected.channels());
     Ok(Outcome { light, scales, iterations: sweeps, cells, updates: cells * sweeps, seconds })
 }

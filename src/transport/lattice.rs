@@ -33,7 +33,7 @@ pub mod stencil;
 use std::sync::Arc;
 
 use super::divergence::Divergence;
-use super::kind::{Capabilities, Device, Kind, Setup, Transport};
+use super::kind::{Capabilities, Device, Kind, Law, Setup, Transport};
 use super::options::{Kernel, Options, Wanted, Work};
 use super::refusal::Refusal;
 use super::state::{State, accumulating};
@@ -65,6 +65,8 @@ fn kind(scheme: &Scheme) -> Kind {
         source: scheme.source,
         flaws: scheme.flaws,
         can: Capabilities { levels: true, occluders: true, clamp: true, grows: true, device: Device::Cpu },
+        conserving: 1.0 / Stencil::<f64>::new(scheme, 1.0, false).uniform_gain()[0],
+        laws,
         check: |_| Ok(()),
         label: |propagation| propagation.scheme.clone(),
         bytes,
@@ -82,6 +84,15 @@ pub(super) fn bytes(problem: &Problem, sizes: Levels, channels: usize, number: u
         _ => 0,
     };
     marks + coarse + occlusion::bytes(problem, sizes, number)
+}
+
+/// Every face is linear but for its clamp.
+fn laws(propagation: &Propagation) -> Vec<Law> {
+    let mut laws = vec![Law::Symmetry, Law::Reach, Law::Shutters, Law::Precision];
+    if !propagation.clamp {
+        laws.extend([Law::Superposition, Law::Conservation]);
+    }
+    laws
 }
 
 /// Light of one problem on its way under a scheme.
