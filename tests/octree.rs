@@ -2,12 +2,15 @@
 
 use glam::DVec3;
 use lpv_lab::field::{Cell, Grid, downsample_into};
+use lpv_lab::scene::occluder::OcclusionMode;
 use lpv_lab::scene::propagation::Policy;
 use lpv_lab::scene::propagation::descent::Descent;
-use lpv_lab::scene::{Occlusion, Problem, Propagation, Source};
+use lpv_lab::scene::{Occlusion, Problem, Propagation, Solid, Source};
 use lpv_lab::sh::Sh;
 use lpv_lab::simulation::Simulation;
+use lpv_lab::simulation::options::Wanted;
 use lpv_lab::study::octree::{self, Row, Way};
+use lpv_lab::transport::lattice::fixed_point;
 
 const N: usize = 32;
 
@@ -158,4 +161,89 @@ fn what_cannot_descend_says_so() {
     unstable.propagation.descent = Descent::Cells;
     let told = Simulation::<f32>::new(unstable).unwrap_err().to_string();
     assert!(told.contains("factor 4.5") && told.contains("below 4.0"), "{told}");
+}
+
+/// Cells of a published fixed point of a uniform volume.
+fn golden(text: &str) -> Vec<(Cell, Sh<f64>)> {
+    let row = |line: &str| {
+        let numbers: Vec<f64> = line.split(',').map(|number| number.parse().unwrap()).collect();
+        (std::array::from_fn(|k| numbers[k] as usize), Sh::from_basis(std::array::from_fn(|k| numbers[3 + k])))
+    };
+    text.lines().skip(1).map(row).collect()
+}
+
+#[test]
+fn published_fixed_points_are_reached_by_iterating_by_the_solver_and_by_a_descent() {
+    let lobe = |factor| problem(factor, [([8; 3], DVec3::X)]);
+    let floor = (0..256).map(|i| ([i % 16, 0, i / 16], DVec3::Y));
+    let both = problem(3.8, floor.chain(rectangle([4, 4], [11, 13], 6, DVec3::NEG_Z)));
+    for (mut problem, text) in [
+        (lobe(3.0), include_str!("golden/ref64_lobe_p3_fixedpoint_16c.csv")),
+        (lobe(3.8), include_str!("golden/ref64_lobe_p3.8_fixedpoint_16c.csv")),
+        (both, include_str!("golden/ref64_mixed_p3.8_fixedpoint_16c.csv")),
+    ] {
+        problem.size = 16;
+        let wanted = golden(text);
+        let most = wanted.iter().map(|(_, light)| light.max_norm()).fold(0.0, f64::max);
+        let off = |found: &dyn Fn(Cell) -> Sh<f64>| {
+            wanted.iter().map(|(cell, light)| (found(*cell) - *light).max_norm()).fold(0.0, f64::max) / most
+        };
+        let solved = fixed_point::solve(&Problem { coarsest: 16, ..problem.clone() }, 1e-6, |_| true).unwrap().unwrap();
+        assert!(off(&|cell| solved.light[0].get(cell).widen()) < 1e-5);
+        for descent in [Descent::Off, Descent::Cells] {
+            problem.propagation.descent = descent;
+            problem.propagation.iterations = 300;
+            let mut simulation = Simulation::<f64>::new(problem.clone()).unwrap();
+            simulation.run(|_| true);
+            let level = simulation.lights()[0].accumulated.level(0);
+            assert!(off(&|cell| level.get(cell)) < 1e-5, "{descent:?}");
+        }
+    }
+}
+
+#[test]
+fn a_descent_can_be_stepped_and_shows_the_level_it_is_at() {
+    let mut problem = one_lobe(3.8);
+    problem.propagation.iterations = 2;
+    problem.propagation.descent = Descent::Leaves { distance: 2.0 };
+    let mut simulation = Simulation::<f32>::new(problem).unwrap();
+    let mut touched = Vec::new();
+    simulation.run(|now| {
+        let finest = (0..6).find(|level| now.index().level(*level).count() > 0);
+        touched.push((now.iteration(), finest.unwrap(), now.work().visited));
+        true
+    });
+    // The injection first; then two iterations on each of six levels, from the coarsest to the finest.
+    assert_eq!(touched.len(), 13);
+    let levels: Vec<usize> = touched[1..].iter().map(|(_, finest, _)| *finest).collect();
+    assert_eq!(levels, [5, 5, 4, 4, 3, 3, 2, 2, 1, 1, 0, 0]);
+    assert_eq!(touched[12].2, 2 * 601);
+    // Dark again, and the same once more.
+    let once = simulation.lights()[0].merged.clone();
+    simulation.run(|_| true);
+    assert!(once == simulation.lights()[0].merged);
+}
+
+#[test]
+fn a_wall_stops_a_descent_as_it_stops_a_uniform_volume() {
+    let mut problem = one_lobe(3.8);
+    problem.occlusion.mode = OcclusionMode::Hard;
+    let wall = (0..N * N).map(|i| [20, i % N, i / N]);
+    problem.solids = wall.map(|cell| Solid { cell, normal: DVec3::NEG_X, opacity: 1.0, albedo: [0.5; 3] }).collect();
+    let mut uniform = Simulation::<f64>::new(Problem { coarsest: N, ..problem.clone() }).unwrap();
+    uniform.run_all(Wanted::Everything);
+    uniform.advance(600, Wanted::Everything);
+    let uniform = uniform.lights()[0].accumulated.level(0);
+    problem.propagation.iterations = 4;
+    for descent in [Descent::Cells, Descent::Leaves { distance: 3.0 }] {
+        problem.propagation.descent = descent;
+        let mut simulation = Simulation::<f64>::new(problem.clone()).unwrap();
+        simulation.run(|_| true);
+        let merged = simulation.lights()[0].merged.as_ref().unwrap();
+        let behind =
+            merged.iter().filter(|(cell, _)| cell[0] >= 20).map(|(_, light)| light.max_norm()).fold(0.0, f64::max);
+        assert_eq!(behind, 0.0, "{descent:?}");
+        let error = l1(merged, uniform);
+        assert!(error < 0.13, "{descent:?}: {error}");
+    }
 }

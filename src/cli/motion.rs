@@ -181,7 +181,9 @@ fn figure(frames: &[Frame], setting: &Setting) -> Figure {
         title: title.to_owned(),
         x_label: "seconds".to_owned(),
         y_label: y_label.to_owned(),
+        log_x: false,
         log_y: true,
+        keys: Vec::new(),
         curves,
         marks: Vec::new(),
     };

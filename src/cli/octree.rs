@@ -9,7 +9,7 @@ use indicatif::ProgressBar;
 use super::output::Folder;
 use super::{CliError, SceneArgs, console};
 use crate::report::colour::Theme;
-use crate::report::plot::{Curve, Dash, Figure, Plot};
+use crate::report::plot::{Curve, Dash, Figure, Plot, Shape};
 use crate::report::table::Table;
 use crate::scene::Problem;
 use crate::scene::propagation::descent::FARTHEST;
@@ -158,15 +158,17 @@ fn figure(rows: &[Row]) -> Figure {
         }
         let curves = ways.iter().enumerate().map(|(color, way)| {
             let of_way = of_scene.iter().filter(|row| row.way == *way);
-            let points = of_way.map(|row| [(row.updates as f64).log10(), row.converged]).collect();
-            let dash = if *way == "solver" { Dash::Points } else { Dash::Solid };
+            let points = of_way.map(|row| [row.updates as f64, row.converged]).collect();
+            let dash = if *way == "solver" { Dash::Points(Shape::Cross) } else { Dash::Solid };
             Curve { name: (*way).to_owned(), points, color, dash }
         });
         Plot {
             title: format!("{preset}, p = {factor}"),
-            x_label: "log₁₀ of cell updates".to_owned(),
+            x_label: "cell updates".to_owned(),
             y_label: "L1 error against the converged volume".to_owned(),
+            log_x: true,
             log_y: true,
+            keys: Vec::new(),
             curves: curves.collect(),
             marks: Vec::new(),
         }

@@ -184,7 +184,7 @@ impl<T: Real> Descent<T> {
     fn first_step(&self, colour: usize, light: &Grid<T>, lit: &Marks, moved: &mut Grid<T>) -> Marks {
         let mut reached = Marks::new(self.sizes.finest());
         if let Some(Solids { hard, stencil, .. }) = self.solids.as_deref() {
-            Occluders::Hard(hard.clone()).propagate(stencil, Which { level: 0, colour }, light, moved);
+            Occluders::Hard(hard.clone()).propagate(stencil, Which { level: 0, colour, blocks: true }, light, moved);
             reached.mark_lit(moved);
             return reached;
         }

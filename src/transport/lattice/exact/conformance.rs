@@ -183,7 +183,7 @@ fn walls_between_finest_leaves_are_those_of_the_uniform_volume() {
         source.level_mut(0).set(cell, some_light(k));
     }
     let mut wanted = Grid::new(N);
-    occluders.propagate(&stencil(3.0), Which { level: 0, colour: 0 }, source.level(0), &mut wanted);
+    occluders.propagate(&stencil(3.0), Which { level: 0, colour: 0, blocks: true }, source.level(0), &mut wanted);
     let mut marks: Vec<Marks> = sizes.sides().map(Marks::new).collect();
     marks[0] = everywhere(N);
     let leaves = Leaves::<f64>::among(&share(3.0), Way::InStep, marks, &walls::Solid { hard: &hard, colour: 0 });
