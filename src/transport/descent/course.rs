@@ -35,6 +35,8 @@ pub struct Descent<T> {
     stages: Vec<Vec<Leaves<T>>>,
     stage: usize,
     channels: Vec<Channel<T>>,
+    /// Whether grids hold nothing but injected light and means of it when they are entered first.
+    clean: bool,
 }
 
 /// Hard occluders, and the scheme that they act in.
@@ -101,6 +103,7 @@ impl<T: Real> Descent<T> {
             stages: Vec::new(),
             stage: 0,
             channels: Vec::new(),
+            clean: false,
         }
     }
 
@@ -137,7 +140,7 @@ impl<T: Real> Descent<T> {
         self.stages = (0..colours).map(|colour| stages.iter().map(|marks| leaves(marks, colour)).collect()).collect();
         let channels = injected.iter().zip(lit).enumerate();
         self.channels = channels.map(|(colour, (grid, lit))| self.channel(colour, grid, lit)).collect();
-        self.stage = 0;
+        (self.stage, self.clean) = (0, false);
     }
 
     fn channel(&self, colour: usize, light: &Grid<T>, lit: Marks) -> Channel<T> {
@@ -159,7 +162,12 @@ impl<T: Real> Descent<T> {
             marks = marks.parents();
             injected.push(at(&coarser[0], &marks));
         }
-        moved.clear();
+        // Dark again, where it was lit.
+        let mut marks = lit.clone();
+        for i in 1..self.sizes.count() {
+            marks = marks.parents();
+            filter::cells(&marks).for_each(|cell| moved.level_mut(i).set(cell, Sh::ZERO));
+        }
 
         let mut reached = self.first_step(colour, light, &lit, moved.level_mut(0));
         if self.snapshots == Snapshots::CopyFirst {
@@ -196,8 +204,11 @@ impl<T: Real> Descent<T> {
             energy: false,
             instructions: Instructions::Best,
         };
+        // Only what is lit is touched: the rest of a new grid costs nothing.
+        let mut source = Grid::new(light.side());
+        filter::cells(lit).for_each(|cell| source.set(cell, light.get(cell)));
         let mut level = Level {
-            source: &mut light.clone(),
+            source: &mut source,
             source_lit: &mut lit.clone(),
             target: moved,
             target_lit: &mut Marks::new(self.sizes.finest()),
@@ -206,6 +217,12 @@ impl<T: Real> Descent<T> {
         };
         step::step(&order, &mut level, 1, None);
         reached
+    }
+
+    /// Takes note that the grids hold nothing but the injected light that was taken up, and the means of it: then little
+    /// is to be cleared.
+    pub fn starts_clean(&mut self) {
+        self.clean = true;
     }
 
     /// Adds to `light` what was taken up from a channel.
@@ -222,6 +239,11 @@ impl<T: Real> Descent<T> {
     /// Forgets all light.
     pub fn clear(&mut self) {
         (self.stages, self.channels, self.stage) = (Vec::new(), Vec::new(), 0);
+    }
+
+    /// The largest magnitude among the coefficients of all leaves of this stage; 0 before light was taken up.
+    pub fn largest(&self, channel: usize, light: &Octree<T>) -> f64 {
+        self.leaves_of(channel, self.stage).map_or(0.0, |leaves| leaves.largest(light))
     }
 
     /// The stage it is at, from 0 for the coarsest level.
@@ -274,7 +296,17 @@ impl<T: Real> Descent<T> {
         match self.stage.checked_sub(1).and_then(|before| self.leaves_of(channel, before)) {
             None => {
                 let Grids { source, target, accumulated } = grids;
-                [source, target, accumulated].into_iter().for_each(|octree| octree.clear());
+                if self.clean {
+                    for (cell, _) in &self.channels[channel].taken {
+                        for i in 0..self.sizes.count() {
+                            let at = cell.map(|c| c >> i);
+                            source.level_mut(i).set(at, Sh::ZERO);
+                            accumulated.level_mut(i).set(at, Sh::ZERO);
+                        }
+                    }
+                } else {
+                    [source, target, accumulated].into_iter().for_each(|octree| octree.clear());
+                }
             }
             Some(before) => {
                 before.clear(grids.source);
@@ -367,6 +399,11 @@ impl<T: Real> Descent<T> {
         };
         let light = |i: usize, cell: Cell| self.moved_light(channel, accumulated.level(i), i, cell);
         sample::merge(leaves, inside, &light, merged);
+        leaves.copy_level(0, accumulated.level(0), merged);
+        if self.level() == 0 {
+            // Leaves of the finest level hold S already.
+            return;
+        }
         let mut planes = merged.planes_mut();
         for (at, light) in &found.injected[0] {
             planes.iter_mut().zip(light.0).for_each(|(plane, c)| plane[*at] += c);

@@ -65,11 +65,8 @@ pub(super) fn children<T: Real>(
     sampling::children(cell, halves)
 }
 
-/// Stores the light of leaves in every finest cell.
+/// Stores the light of leaves coarser than the finest cells in all of those.
 pub(super) fn merge<T: Real>(leaves: &Leaves<T>, inside: Inside, light: &impl Light<T>, merged: &mut Grid<T>) {
-    for cell in cells(leaves.marks(0)) {
-        merged.set(cell, light(0, cell));
-    }
     for i in leaves.levels().skip(1) {
         let width = 1usize << i;
         for cell in cells(leaves.marks(i)) {

@@ -88,7 +88,8 @@ impl<T: Real> Transport<T> for Staged<T> {
         if self.descent.is_under_way() {
             // What the source holds are corrections, not light to be sent.
             for (channel, light) in state.lights.iter_mut().enumerate() {
-                light.source.clear();
+                let Light { source, target, accumulated, .. } = &mut *light;
+                [source, target, accumulated].into_iter().for_each(Octree::clear);
                 self.descent.put_back(channel, light.source.level_mut(0));
             }
             self.descent.clear();
@@ -108,8 +109,8 @@ impl<T: Real> Transport<T> for Staged<T> {
         let mut next = self.ceiling.next(enters);
         if !next.fits(limit) {
             let largest = |octree: fn(&Light<T>) -> &Octree<T>| {
-                let grids = state.lights.iter().flat_map(|light| octree(light).levels());
-                grids.flat_map(|grid| grid.planes().iter().flatten()).map(|c| c.abs().to_f64()).fold(0.0, f64::max)
+                let lights = state.lights.iter().enumerate();
+                lights.map(|(channel, light)| self.descent.largest(channel, octree(light))).fold(0.0, f64::max)
             };
             let source = largest(|light| &light.source);
             let accumulated = largest(|light| &light.accumulated);
@@ -130,6 +131,7 @@ impl<T: Real> Transport<T> for Staged<T> {
         if !self.descent.is_under_way() {
             let injected: Vec<&Grid<T>> = state.lights.iter().map(|light| light.source.level(0)).collect();
             self.descent.take_up(&injected);
+            self.descent.starts_clean();
         } else if enters {
             self.descent.descend();
         }

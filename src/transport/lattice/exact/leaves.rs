@@ -198,15 +198,36 @@ impl<T: Real> Tier<T> {
         walls: &dyn Walls,
     ) -> Self {
         let here = &marks[i];
-        let inner = Inner::new(share, way, Crossing::between(decay, width(level), width(level)));
+        let open = Faces::new(decay, level);
+        let inner = Inner::new(share, way, open.to[1]);
         let [mut enclosed, mut others] = split(here, level == 0);
-        for cell in cells(here).filter(|cell| is_walled(walls, level, *cell, here.side())) {
-            enclosed.put(cell, false);
-            others.set(cell);
+        if walls.any() {
+            for cell in cells(here).filter(|cell| is_walled(walls, level, *cell, here.side())) {
+                enclosed.put(cell, false);
+                others.set(cell);
+            }
         }
-        let seam = |cell| Seam::new((share, decay), level, (marks, i), cell, walls);
+        let seam = |cell| Seam::new((share, decay, &open), level, (marks, i), cell, walls);
         let seams = cells(&others).map(seam).collect();
         Tier { marks: here.clone(), count: here.count(), all: runs(here), inner, runs: runs(&enclosed), seams }
+    }
+}
+
+/// What crosses the faces of a leaf where nothing stands in the way.
+struct Faces {
+    /// To a finer, an equal and a coarser leaf.
+    to: [Crossing; 3],
+    /// To the dark outside.
+    outside: Crossing,
+}
+
+impl Faces {
+    fn new(decay: &Decay, level: usize) -> Self {
+        let h = width(level);
+        // Level 0 has no finer one.
+        let finer = if level == 0 { Crossing::default() } else { Crossing::between(decay, h, 0.5 * h) };
+        let to = [finer, Crossing::between(decay, h, h), Crossing::between(decay, h, 2.0 * h)];
+        Faces { to, outside: Crossing::open(decay, h) }
     }
 }
 
@@ -245,7 +266,7 @@ impl<T: Real> Inner<T> {
 impl<T: Real> Seam<T> {
     /// A leaf of level `level`, which `marks` has at `i`.
     fn new(
-        (share, decay): (&Share<f64>, &Decay),
+        (share, decay, open): (&Share<f64>, &Decay, &Faces),
         level: usize,
         (marks, i): (&[Marks], usize),
         cell: Cell,
@@ -263,30 +284,33 @@ impl<T: Real> Seam<T> {
                 [T::of(crossing.beyond.even), T::of(crossing.beyond.odd)]
             };
             let Some(next) = d.neighbour(cell, here.side()) else {
-                return (Side::Dark, meets(Crossing::open(decay, h), 1.0));
+                return (Side::Dark, meets(open.outside, 1.0));
             };
             // What lies beyond: its level, the cells that touch the face, and how the loops find them.
             let parent = next.map(|c| c / 2);
-            let (other, touching, side) = if here.get(next) {
-                (level, vec![next], Side::Same(place(here, next)))
+            let (coarser, touching, count, side) = if here.get(next) {
+                (1, [next; 4], 1, Side::Same(place(here, next)))
             } else if let Some(above) = marks.get(i + 1).filter(|above| above.get(parent)) {
-                (level + 1, vec![parent], Side::Coarser(place(above, parent)))
+                (2, [parent; 4], 1, Side::Coarser(place(above, parent)))
             } else {
                 let mut first = next.map(|c| 2 * c);
                 first[axis] += usize::from(!up);
-                let four = (0..4).map(|k| {
+                let four = [0, 1, 2, 3].map(|k| {
                     let mut child = first;
                     child[(axis + 1) % 3] += k & 1;
                     child[(axis + 2) % 3] += k >> 1;
                     child
                 });
-                (level - 1, four.collect(), Side::Finer(place(&marks[i - 1], first)))
+                (0, four, 4, Side::Finer(place(&marks[i - 1], first)))
             };
-            let count = touching.len() as f64;
-            let mean = |of: &dyn Fn(Cell) -> f64| touching.iter().map(|cell| of(*cell)).sum::<f64>() / count;
+            if !walls.any() {
+                return (side, meets(open.to[coarser], f64::from(count)));
+            }
+            let (other, touching) = (level + coarser - 1, &touching[..count as usize]);
+            let mean = |of: &dyn Fn(Cell) -> f64| touching.iter().map(|cell| of(*cell)).sum::<f64>() / f64::from(count);
             let enters = walls.passes(level, cell, axis);
             let leaves = mean(&|cell| walls.passes(other, cell, axis));
-            let pass = meets(Crossing::behind(decay, h, width(other), [enters, leaves]), count);
+            let pass = meets(Crossing::behind(decay, h, width(other), [enters, leaves]), f64::from(count));
             if leaves < 1.0 {
                 let mirrored = mean(&|cell| (1.0 - walls.passes(other, cell, axis)) * walls.mirrors(other, cell));
                 own.mirrored[usize::from(!up)] = enters * mirrored * decay.border(h) / h;

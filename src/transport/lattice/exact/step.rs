@@ -82,6 +82,26 @@ impl<T: Real> Leaves<T> {
         }
     }
 
+    /// Copies the light of the leaves of level `i`.
+    pub fn copy_level(&self, i: usize, from: &Grid<T>, to: &mut Grid<T>) {
+        for (from, to) in from.planes().iter().zip(to.planes_mut()) {
+            self.tier(i).all.iter().for_each(|run| run.of_mut(to).copy_from_slice(run.of(from)));
+        }
+    }
+
+    /// The largest magnitude among the coefficients of all leaves.
+    pub fn largest(&self, light: &Octree<T>) -> f64 {
+        let of_plane = |plane: &[T], runs: &[Run]| {
+            let of_run = |run: &Run| run.of(plane).iter().fold(T::ZERO, |most, c| c.abs().max(most));
+            runs.iter().map(of_run).fold(T::ZERO, |most, c| c.max(most))
+        };
+        let of_level = |i: usize| {
+            let planes = light.level(i).planes().iter();
+            planes.map(|plane| of_plane(plane, &self.tier(i).all).to_f64()).fold(0.0, f64::max)
+        };
+        self.levels().map(of_level).fold(0.0, f64::max)
+    }
+
     /// Copies the light of all leaves.
     pub fn copy(&self, from: &Octree<T>, to: &mut Octree<T>) {
         self.each(from, to, |to, from| *to = from);

@@ -6,6 +6,11 @@ use crate::transport::lattice::kernel::occluded::Hard;
 
 /// Walls, by level and cell.
 pub trait Walls {
+    /// Whether there are any.
+    fn any(&self) -> bool {
+        true
+    }
+
     /// The share of the light that enters a cell along an axis (0 for x) that goes on in it, 0 to 1.
     fn passes(&self, level: usize, cell: Cell, axis: usize) -> f64;
 
@@ -18,6 +23,10 @@ pub trait Walls {
 pub struct Open;
 
 impl Walls for Open {
+    fn any(&self) -> bool {
+        false
+    }
+
     fn passes(&self, _: usize, _: Cell, _: usize) -> f64 {
         1.0
     }
