@@ -83,7 +83,8 @@ pub(super) fn bytes(problem: &Problem, sizes: Levels, channels: usize, number: u
         Policy::Exact => (1..sizes.count()).map(|i| Leaves::<f32>::bytes_of_uniform(i, sizes.side(i))).sum(),
         _ => 0,
     };
-    marks + coarse + occlusion::bytes(problem, sizes, number)
+    let scheme = schemes::find(&problem.propagation.scheme);
+    marks + coarse + scheme.map_or(0, |scheme| occlusion::bytes(problem, &scheme, sizes, number))
 }
 
 /// Every face is linear but for its clamp.

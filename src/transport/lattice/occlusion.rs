@@ -91,30 +91,44 @@ pub(in crate::transport) fn hard<T: Real>(problem: &Problem, sizes: Levels) -> O
 
 /// Bytes that the occluders of a problem will take on levels of these sizes, in numbers of so many bytes. On other
 /// levels than the problem's own the cells beside a surface count as so many times fewer or more.
-pub(super) fn bytes(problem: &Problem, sizes: Levels, number: usize) -> u64 {
+pub(super) fn bytes(problem: &Problem, scheme: &Scheme, sizes: Levels, number: usize) -> u64 {
     if !problem.has_occluders() {
         return 0;
     }
+    let acts = match (problem.occlusion.mode, scheme.surface) {
+        (OcclusionMode::Hard, _) => Acts::Hard,
+        (_, Surface::Mirrored) => Acts::Mirrored,
+        _ => Acts::Fuzzy,
+    };
     let scale = number as u64 / size_of::<f32>() as u64;
     let geometry = 2 * scale * sizes.sides().map(memory::of_grid::<f32>).sum::<u64>();
     let shrunk = (sizes.finest() as f64 / problem.size as f64).powi(2);
     let touched: f64 = (0..sizes.count().min(problem.size.ilog2() as usize + 1))
-        .map(|level| touched_cells(problem, level) as f64 * shrunk)
+        .map(|level| touched_cells(problem, acts, level) as f64 * shrunk)
         .sum();
-    let hard = problem.occlusion.mode == OcclusionMode::Hard;
-    let passages = if hard { sizes.cells() as u64 * 3 * number as u64 } else { 0 };
-    let of_each =
-        if hard { Touched::<f32>::CELL } else { Touched::<f32>::CELL + scale as usize * Touched::<f32>::AROUND };
+    let passages = if acts == Acts::Hard { sizes.cells() as u64 * 3 * number as u64 } else { 0 };
+    let around = if acts == Acts::Fuzzy { scale as usize * Touched::<f32>::AROUND } else { 0 };
+    let of_each = Touched::<f32>::CELL + around;
     geometry + passages + (touched * of_each as f64) as u64
 }
 
-/// How many cells of a level have an occupied cell at one of their corners, or beside them.
-fn touched_cells(problem: &Problem, level: usize) -> usize {
+/// How occluders act, as far as it matters to memory.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Acts {
+    Hard,
+    Mirrored,
+    Fuzzy,
+}
+
+/// How many cells of a level are occupied, have an occupied cell at one of their corners, or beside them.
+fn touched_cells(problem: &Problem, acts: Acts, level: usize) -> usize {
     let side = problem.size >> level;
     let mut occupied = Marks::new(side);
     problem.solids.iter().for_each(|solid| occupied.set(solid.cell.map(|c| c >> level)));
-    if problem.occlusion.mode == OcclusionMode::Hard {
-        return grown(&occupied).count();
+    match acts {
+        Acts::Hard => return grown(&occupied).count(),
+        Acts::Mirrored => return occupied.count(),
+        Acts::Fuzzy => {}
     }
     // Corner g is shared by the cells g to g + (1, 1, 1).
     let mut touched = Marks::new(side);
