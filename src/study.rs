@@ -8,6 +8,8 @@ pub mod expectation;
 pub mod fit;
 pub mod identify;
 pub mod light;
+pub mod motion;
+pub mod octree;
 pub mod pareto;
 pub mod pattern;
 pub mod profile;

@@ -5,6 +5,7 @@ use super::barrier::Barrier;
 use super::geometry::Geometry;
 use super::kernel::occluded::{Fuzzy, Hard, Mirrored, Occluders, Touched};
 use super::scheme::{Scheme, Surface};
+use super::schemes;
 use crate::field::{IndexVolume, Layout, Levels, Marks, memory};
 use crate::scene::Problem;
 use crate::scene::occluder::{BlockingSign, OcclusionMode};
@@ -76,6 +77,15 @@ impl<T: Real> Obstacles<T> {
     /// Bytes that they take.
     pub(super) fn bytes(&self) -> usize {
         self.occluders.bytes() + self.touched.iter().map(Touched::bytes).sum::<usize>()
+    }
+}
+
+/// The hard occluders of a problem under its scheme, if it has such.
+pub(in crate::transport) fn hard<T: Real>(problem: &Problem, sizes: Levels) -> Option<Hard<T>> {
+    let scheme = schemes::find(&problem.propagation.scheme)?;
+    match Obstacles::new(problem, sizes, &scheme)?.occluders {
+        Occluders::Hard(hard) => Some(hard),
+        _ => None,
     }
 }
 
