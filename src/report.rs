@@ -3,7 +3,7 @@
 //! Everything here is pure: values in, outlines, text or bytes out. The window draws the same
 //! [`mod@slice`], [`glyph`] and [`colour`] with its own meshes.
 
-pub mod animation;
+pub mod apng;
 mod axis;
 pub mod colour;
 pub mod error_figure;
