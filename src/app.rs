@@ -1,24 +1,32 @@
 //! The window: step the propagation and watch it, put propagators side by side, take the error plots home.
 //!
-//! `lab` holds the state and obeys `command`s, `layout` draws it, and `worker` computes on a thread
-//! of its own, so that the window never waits for a volume.
+//! | room | what stands there |
+//! |---|---|
+//! | `lab` | the whole: draws everything, then grants what was asked for |
+//! | `workspaces` | what fills the window between the bars; how to add a panel |
+//! | `panels` | the parts that are looked at and clicked on; each reads the session and returns asks |
+//! | `files` | settings, unsaved work, the question for a path, exports |
+//! | `draw` | slices, glyphs, light in space as triangles |
+//! | `session` | the state, which knows no panel |
+//! | `worker` | the thread that computes, so that the window never waits for a volume |
+//!
+//! Each uses only rooms below it.
 
 mod draw;
 mod files;
 pub mod frame_cost;
 mod lab;
-mod logic;
 mod panels;
-mod perform;
 mod session;
 mod worker;
+mod workspaces;
 
 use std::path::PathBuf;
 
 pub use files::home::Home;
 pub use lab::Lab;
-pub use panels::errors::Run;
 pub use session::command::Command;
+pub use session::curves::Curves;
 pub use session::settings::Settings;
 pub use session::view::{Heat, Scaling, Stage, View};
 pub use worker::look::{Cloud, Layer, Light, Shown};

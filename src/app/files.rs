@@ -1,7 +1,6 @@
-//! What the window keeps and is given in files: settings, unsaved work, dialogs, drops, exports.
+//! What the window keeps and is given in files: settings, unsaved work, the question for a path, exports.
 
 pub mod dialog;
-pub mod drops;
 pub mod export;
 pub mod home;
 pub mod recovery;

@@ -53,8 +53,7 @@ pub fn measure(side: usize) -> Option<FrameCost> {
         let mut seconds: Vec<f64> = (0..FRAMES)
             .map(|_| {
                 if anew {
-                    lab.grids.redraw();
-                    lab.scales = None;
+                    lab.redraw();
                 }
                 let started = Instant::now();
                 frame(&ctx, &mut lab);

@@ -1,17 +1,21 @@
-//! The parts of the window that are looked at and clicked on.
+//! The parts of the window that are looked at and clicked on. A panel is shown the session and returns what it wants as
+//! asks; it changes nothing itself.
 
-pub mod closing;
-pub mod compare;
-pub mod controls;
-pub mod errors;
-pub mod inspect;
+pub mod button;
+pub mod field;
+pub mod format;
 pub mod inspector;
-pub mod layout;
+pub mod keys;
 pub mod legend;
-pub mod line;
 pub mod menu;
-pub mod pareto;
+pub mod notice;
+pub mod offer;
 pub mod plots;
-pub mod stage;
+pub mod question;
+pub mod runs;
+pub mod scene;
+pub mod slices;
+pub mod space;
 pub mod timeline;
 pub mod toolbar;
+pub mod view_bar;

@@ -11,15 +11,16 @@ mod desk;
 pub mod history;
 mod ledger;
 pub mod look;
+pub mod rival;
 pub mod track;
 
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-use crate::app::panels::compare::Rival;
-use crate::app::worker::look::{Cloud, Look, Pin, PinSample, Shown};
-use crate::app::worker::track::Measured;
+use self::look::{Cloud, Look, Pin, PinSample, Shown};
+use self::rival::Rival;
+use self::track::Measured;
 use crate::scene::{Preset, Problem};
 use crate::simulation::options::Work;
 use crate::simulation::{Action, Change};
@@ -149,8 +150,6 @@ pub enum News {
     Pinned(Pin, Vec<PinSample>),
     /// The scene or an action failed; one line that says why and what would be right.
     Failed(String),
-    /// The scene can be run but will not end well; one line that says why.
-    Warned(String),
 }
 
 /// The window's end of the worker.
@@ -281,23 +280,21 @@ mod tests {
     }
 
     #[test]
-    fn light_that_diverges_is_foretold_told_and_kept_as_it_was() {
+    fn light_that_diverges_is_told_and_kept_as_it_was() {
         let mut worker = Worker::start(1 << 20, || ()).unwrap();
         let text = "(version: 1, size: 4, injectors: [(kind: Single(cell: (0, 1, 2)))], propagation: (factor: 50))";
         let preset = Preset::parse(text, Path::new("test")).unwrap();
         let start = Start::To { iteration: 1000, merge: true };
         worker.order(Order::Load(Box::new(Load { preset, folder: PathBuf::new(), others: Vec::new(), start })));
-        let (mut warning, mut failure, mut reached) = (None, None, 0);
-        while warning.is_none() || failure.is_none() {
+        let (mut failure, mut reached) = (None, 0);
+        while failure.is_none() {
             let news = wait(&worker, |news| Some(news.clone()));
             match news {
-                News::Warned(line) => warning = Some(line),
                 News::Done { progress, .. } => reached = progress.iteration,
                 News::Failed(line) => failure = Some(line),
                 _ => {}
             }
         }
-        assert!(warning.unwrap().contains("level 0 (4³)"));
         let line = failure.unwrap();
         assert!(line.contains(&format!("iteration {} could take level 0", reached + 1)), "{line}");
         // The window lives on: another factor from the same light.

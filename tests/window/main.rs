@@ -9,6 +9,7 @@ mod exports;
 mod plots;
 mod recovery;
 mod settings;
+mod timeline;
 #[cfg(unix)]
 #[path = "../unprivileged/mod.rs"]
 mod unprivileged;

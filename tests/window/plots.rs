@@ -52,6 +52,21 @@ fn a_factor_that_a_level_does_not_bear_is_warned_of_at_its_field() {
 }
 
 #[test]
+fn light_that_will_diverge_is_foretold() {
+    let mut harness = window(SMALL);
+    set_number(&mut harness, "Factor p", 50.0);
+    click(&mut harness, "Run again");
+    for _ in 0..2000 {
+        harness.step();
+        if harness.query_by_label_contains("will overflow about iteration").is_some() {
+            return;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    panic!("it is not foretold");
+}
+
+#[test]
 fn light_along_a_line_is_drawn_under_both_policies_beside_the_uniform_volume() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = window(SMALL);

@@ -66,7 +66,7 @@ impl Scale {
         use crate::app::session::view::Scaling;
         let quantile = if view.scaling == Scaling::Linear { LINEAR_QUANTILE } else { 1.0 };
         let full = match view.fit {
-            true => fit(shown.iter().map(|s| s.slice.as_ref()), view.hue(), quantile).unwrap_or(DARK_FULL),
+            true => fit(shown.iter().map(|s| s.slice.as_ref()), view.hue, quantile).unwrap_or(DARK_FULL),
             false => view.full.max(f32::MIN_POSITIVE),
         };
         let glyph = match view.scaling {
@@ -84,7 +84,7 @@ fn heat(view: &View, shown: &Shown, i: usize) -> Option<f32> {
     let error = || shown.errors.get(i).copied().flatten();
     match view.heat {
         Heat::None => None,
-        Heat::Mean => Some(view.hue().of(shown.slice.cells[i].light).0[0].abs()),
+        Heat::Mean => Some(view.hue.of(shown.slice.cells[i].light).0[0].abs()),
         Heat::Absolute => error().map(|error| error.absolute),
         Heat::Relative => error().and_then(|error| error.relative),
     }
@@ -167,7 +167,7 @@ fn glyphs(
         if !placing.clip.intersects(square) {
             continue;
         }
-        let light = view.hue().of(cell.light);
+        let light = view.hue.of(cell.light);
         let lobes = Lobes::of(light, axis);
         let peak = lobes.peak();
         let radius = FULL_RADIUS * square.width() * scale.glyph.share(peak, peak).min(1.0);
@@ -175,7 +175,7 @@ fn glyphs(
             continue;
         }
         let share = scale.glyph.share(peak, scale.full).clamp(0.0, 1.0);
-        let positive = color(view.paint().glyph(theme, cell.light, light, axis, share));
+        let positive = color(view.paint.glyph(theme, cell.light, light, axis, share));
         if radius * placing.density < LARGEST_SPRITE {
             sprites::glyph(small, &lobes, square.center(), radius, [Some(positive), negative]);
             continue;

@@ -6,7 +6,7 @@ use egui::{Color32, Mesh, Pos2, Rect, Sense, Shape, Ui, Vec2, vec2};
 use glam::{Mat3, Vec3, vec3};
 
 use crate::app::draw::ink::{Ink, color};
-use crate::app::session::view::View;
+use crate::app::session::view::{Scaling, View};
 use crate::app::worker::look::{Cloud, CloudCell};
 use crate::report::colour::{Paint, Rgb, Theme};
 use crate::report::glyph::{GlyphScale, Glyphs, Outline, peak};
@@ -18,7 +18,7 @@ const DISTANCE: f32 = 3.0;
 /// Points in the outline of a lobe.
 const LOBE_POINTS: usize = 16;
 
-/// Where the eye is, and what is drawn of a cell.
+/// Where the eye is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Eye {
     /// Turned about the upright axis, in radians.
@@ -29,15 +29,11 @@ pub struct Eye {
     pub zoom: f32,
     /// How far the middle is moved on screen, in shares of the view.
     pub pan: Vec2,
-    /// Lobes in place of cubes.
-    pub lobes: bool,
-    /// The share of the strongest light below which cells are left out.
-    pub threshold: f32,
 }
 
 impl Default for Eye {
     fn default() -> Self {
-        Eye { yaw: -0.55, pitch: 0.45, zoom: 1.0, pan: Vec2::ZERO, lobes: false, threshold: 0.01 }
+        Eye { yaw: -0.55, pitch: 0.45, zoom: 1.0, pan: Vec2::ZERO }
     }
 }
 
@@ -76,8 +72,7 @@ impl Projection {
 /// The view's own state.
 #[derive(Default)]
 pub struct Space {
-    /// Where the eye is.
-    pub eye: Eye,
+    eye: Eye,
     drawn: Option<(Key, Arc<Mesh>)>,
 }
 
@@ -86,6 +81,7 @@ pub struct Space {
 struct Key {
     cloud: Arc<Cloud>,
     eye: Eye,
+    lobes: bool,
     rect: Rect,
     view: View,
     dark: bool,
@@ -95,6 +91,7 @@ impl PartialEq for Key {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.cloud, &other.cloud)
             && self.eye == other.eye
+            && self.lobes == other.lobes
             && self.rect == other.rect
             && self.view == other.view
             && self.dark == other.dark
@@ -102,15 +99,15 @@ impl PartialEq for Key {
 }
 
 impl Space {
-    /// Draws the cloud in all the room there is.
-    pub fn ui(&mut self, ui: &mut Ui, cloud: &Arc<Cloud>, view: &View, theme: &Theme) {
+    /// Draws the cloud in all the room there is, with `lobes` in place of cubes.
+    pub fn ui(&mut self, ui: &mut Ui, cloud: &Arc<Cloud>, lobes: bool, view: &View, theme: &Theme) {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "View: the light in space"));
         self.steer(ui, rect, &response);
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 0.0, color(theme.ground));
-        let key = Key { cloud: Arc::clone(cloud), eye: self.eye, rect, view: view.clone(), dark: theme.dark };
+        let key = Key { cloud: Arc::clone(cloud), eye: self.eye, lobes, rect, view: view.clone(), dark: theme.dark };
         if self.drawn.as_ref().is_none_or(|(drawn, _)| *drawn != key) {
             let mesh = draw(&key, theme);
             self.drawn = Some((key, Arc::new(mesh)));
@@ -137,7 +134,7 @@ impl Space {
             eye.zoom = (eye.zoom * pinch * (scroll * 0.004).exp()).clamp(0.3, 20.0);
         }
         if response.double_clicked() {
-            *eye = Eye { lobes: eye.lobes, threshold: eye.threshold, ..Eye::default() };
+            *eye = Eye::default();
         }
     }
 }
@@ -157,12 +154,12 @@ fn draw(key: &Key, theme: &Theme) -> Mesh {
     let mut cells: Vec<(f32, Solid)> = lit.collect();
     cells.extend(occupied.iter().map(|centre| (depth(*centre), Solid::Occupied(*centre))));
     cells.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let strongest = key.cloud.cells.iter().map(|cell| peak(key.view.hue().of(cell.light), Axis::Z)).fold(0.0, f32::max);
+    let strongest = key.cloud.cells.iter().map(|cell| peak(key.view.hue.of(cell.light), Axis::Z)).fold(0.0, f32::max);
     let full = strongest.max(f32::MIN_POSITIVE);
     let scale = match key.view.scaling {
-        crate::app::session::view::Scaling::Linear => GlyphScale::Linear { full },
-        crate::app::session::view::Scaling::Log => GlyphScale::Log { full, decades: key.view.decades },
-        crate::app::session::view::Scaling::PerGlyph => GlyphScale::PerGlyph,
+        Scaling::Linear => GlyphScale::Linear { full },
+        Scaling::Log => GlyphScale::Log { full, decades: key.view.decades },
+        Scaling::PerGlyph => GlyphScale::PerGlyph,
     };
     let mut ink = Ink::default();
     let mut pen = Pen {
@@ -179,14 +176,14 @@ fn draw(key: &Key, theme: &Theme) -> Mesh {
                 continue;
             }
         };
-        let light = key.view.hue().of(cell.light);
+        let light = key.view.hue.of(cell.light);
         let share = scale.share(peak(light, Axis::Z), full).clamp(0.0, 1.0);
-        let paint = match key.view.paint() {
+        let paint = match key.view.paint {
             // One colour alone would hide how strong the light is.
-            Paint::Single if !key.eye.lobes => theme.glyph.towards(theme.ground, 0.75 * (1.0 - share)),
-            paint => paint.glyph(theme, cell.light, light, key.view.axis(), share),
+            Paint::Single if !key.lobes => theme.glyph.towards(theme.ground, 0.75 * (1.0 - share)),
+            paint => paint.glyph(theme, cell.light, light, key.view.axis, share),
         };
-        if key.eye.lobes {
+        if key.lobes {
             pen.positive = color(paint);
             lobe(&mut ink, &projection, cell, light, &mut pen);
         } else {

@@ -5,63 +5,9 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use egui::{Context, Id, Modal, TextEdit, Ui};
 
-use crate::app::session::command::Command;
+use crate::app::panels::format;
 use crate::app::session::format::Format;
-
-/// What a file is wanted for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Purpose {
-    /// Open a preset.
-    Open,
-    /// Save the preset.
-    SaveAs,
-    /// The cells of the preset's injector of this number, or of a new one.
-    Injector(usize),
-    /// The cells of the preset's occluder of this number, or of a new one.
-    Occluder(usize),
-    /// Save what an export command says.
-    Export(Command),
-}
-
-impl Purpose {
-    fn title(self) -> &'static str {
-        match self {
-            Purpose::Open => "Open a preset",
-            Purpose::SaveAs => "Save the preset as",
-            Purpose::Injector(_) => "A file of light: CSV or .npy, beside the preset",
-            Purpose::Occluder(_) => "A file of occupied cells: CSV, beside the preset",
-            Purpose::Export(command) => command.explanation(),
-        }
-    }
-
-    fn verb(self) -> &'static str {
-        match self {
-            Purpose::Open => "Open",
-            Purpose::Injector(_) | Purpose::Occluder(_) => "Use",
-            Purpose::SaveAs | Purpose::Export(_) => "Save to file",
-        }
-    }
-
-    fn is_picture(self) -> bool {
-        matches!(self, Purpose::Export(Command::ExportSvg | Command::ExportPng | Command::ExportGrids))
-    }
-
-    fn writes(self) -> bool {
-        matches!(self, Purpose::SaveAs | Purpose::Export(_))
-    }
-
-    /// The endings that fit, the usual one first.
-    fn endings(self) -> &'static [&'static str] {
-        match self {
-            Purpose::Open | Purpose::SaveAs => &["ron"],
-            Purpose::Injector(_) => &["csv", "npy"],
-            Purpose::Occluder(_) | Purpose::Export(Command::ExportCsv) => &["csv"],
-            Purpose::Export(Command::ExportSvg) => &["svg"],
-            Purpose::Export(Command::ExportPng) => &["png"],
-            Purpose::Export(_) => &["svg", "png"],
-        }
-    }
-}
+use crate::app::session::purpose::Purpose;
 
 /// A question for a path that is on screen.
 #[derive(Clone, Debug)]
@@ -75,18 +21,18 @@ struct Question {
 }
 
 /// Questions for files, and their answers.
-pub struct Files {
+pub struct Dialog {
     ctx: Context,
     question: Option<Question>,
     answer: Sender<(Purpose, PathBuf)>,
     answers: Receiver<(Purpose, PathBuf)>,
 }
 
-impl Files {
+impl Dialog {
     /// No question.
     pub fn new(ctx: &Context) -> Self {
         let (answer, answers) = channel();
-        Files { ctx: ctx.clone(), question: None, answer, answers }
+        Dialog { ctx: ctx.clone(), question: None, answer, answers }
     }
 
     /// Asks for a file; `beside` is one whose folder and name are likely.
@@ -144,7 +90,7 @@ impl Files {
             }
             ui.add_space(6.0);
             if question.purpose.is_picture() {
-                format.ui(ui);
+                format::ui(ui, format);
                 ui.add_space(6.0);
             }
             ui.horizontal(|ui| {

@@ -4,15 +4,16 @@ use std::error::Error;
 use std::path::Path;
 
 use crate::app::draw::glyphs::Scales;
-use crate::app::lab::Lab;
-use crate::app::panels::errors::{Group, Plots, Run, Tab};
-use crate::app::panels::pareto;
+use crate::app::session::Session;
 use crate::app::session::command::Command;
+use crate::app::session::curves::{Curves, Group};
 use crate::app::session::format::Format;
+use crate::app::session::pareto;
+use crate::app::session::plots::{Plots, Tab};
 use crate::app::session::settings::Settings;
 use crate::app::session::view::{Heat, View};
 use crate::app::worker::look::Shown;
-use crate::report::glyph::Hue;
+
 use crate::report::picture::{Panel, Picture};
 use crate::report::plot::{Curve, Dash, Figure, Mark, Plot};
 use crate::report::slice::Axis;
@@ -25,7 +26,7 @@ const NO_LINE: &str = "the light along the line is not computed yet; try again w
 
 /// The curves as a table, of the form of `errors.csv`; with several runs a column before it names the run, and where
 /// what truly arrives is known a column after it holds the L1 ratio after the scalar that fits best.
-fn csv(runs: &[&Run]) -> Result<String, Box<dyn Error>> {
+fn csv(runs: &[&Curves]) -> Result<String, Box<dyn Error>> {
     let mut out = csv::Writer::from_writer(Vec::new());
     let several = runs.len() > 1;
     let fitted = runs.iter().any(|run| !run.fits.is_empty());
@@ -51,8 +52,8 @@ fn csv(runs: &[&Run]) -> Result<String, Box<dyn Error>> {
 }
 
 /// The error plots as a figure for a paper: the curves that are on screen.
-fn figure(title: &str, plots: &Plots, runs: &[&Run], seen: usize) -> Figure {
-    let (metric, level) = (plots.metric(), plots.level());
+fn figure(title: &str, plots: &Plots, runs: &[&Curves], seen: usize) -> Figure {
+    let (metric, level) = (plots.metric, plots.level());
     let level_name = level.map_or("all levels".to_owned(), |level| format!("level {level}"));
     let plot = |group: &Group| {
         let mut curves = Vec::new();
@@ -90,13 +91,12 @@ fn slices(title: &str, view: &View, shown: &[Shown], titles: &[String], format: 
         panels.map(|(shown, title)| Panel { title, slice: &shown.slice, scale: scales.scale(shown).glyph }).collect();
     let plane = view.plane();
     let subtitle = format!("{}, cut at {} = {}", view.layer.name(), Axis::name(plane.axis.across()), plane.index);
-    let hue: Hue = view.hue();
     let picture = Picture {
         title,
         subtitle: &subtitle,
         panels,
-        hue,
-        paint: view.paint(),
+        hue: view.hue,
+        paint: view.paint,
         heat: view.heat == Heat::Mean,
         theme: format.theme(),
         width: format.width(),
@@ -104,85 +104,79 @@ fn slices(title: &str, view: &View, shown: &[Shown], titles: &[String], format: 
     picture.to_svg_set(format.text(), format.height().map(f64::from))
 }
 
-impl Lab {
-    /// Does an export command with the file that was chosen for it.
-    pub(in crate::app) fn export(&mut self, command: Command, path: &Path) {
-        match self.exported(command, path).and_then(|bytes| Ok(write_whole(path, &bytes)?)) {
-            Ok(()) => self.say(format!("Saved {}", path.display())),
-            Err(error) => self.fail(error.to_string()),
+/// Does an export command with the file that was chosen for it.
+pub fn save(session: &Session, command: Command, path: &Path) -> Result<(), Box<dyn Error>> {
+    Ok(write_whole(path, &exported(session, command, path)?)?)
+}
+
+fn exported(session: &Session, command: Command, path: &Path) -> Result<Vec<u8>, Box<dyn Error>> {
+    let svg = match command {
+        Command::ExportCsv => return Ok(numbers(session)?.into_bytes()),
+        Command::ExportGrids => grids_picture(session),
+        _ => plots_picture(session)?,
+    };
+    let png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+    if !png {
+        return Ok(svg.into_bytes());
+    }
+    Ok(raster::png_at(&svg, session.settings.plots.format.pixels_each())?)
+}
+
+/// Puts the plots' numbers, or a picture, on the clipboard; says what was done.
+pub fn copy(session: &Session, command: Command, ctx: &egui::Context) -> Result<&'static str, Box<dyn Error>> {
+    match command {
+        Command::CopyCurves => {
+            ctx.copy_text(numbers(session)?);
+            Ok("The plots' numbers are on the clipboard, as CSV")
+        }
+        Command::CopyGrids => {
+            copy_picture(session, &grids_picture(session), ctx)?;
+            Ok("The slices are on the clipboard, as a picture")
+        }
+        _ => {
+            copy_picture(session, &plots_picture(session)?, ctx)?;
+            Ok("The plots are on the clipboard, as a picture")
         }
     }
+}
 
-    fn exported(&self, command: Command, path: &Path) -> Result<Vec<u8>, Box<dyn Error>> {
-        let svg = match command {
-            Command::ExportCsv => return Ok(self.numbers()?.into_bytes()),
-            Command::ExportGrids => self.grids_picture(),
-            _ => self.plots_picture()?,
-        };
-        let png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
-        if !png {
-            return Ok(svg.into_bytes());
-        }
-        Ok(raster::png_at(&svg, self.settings.plots.format.pixels_each())?)
-    }
+fn copy_picture(session: &Session, svg: &str, ctx: &egui::Context) -> Result<(), Box<dyn Error>> {
+    let pixels = raster::pixels(svg, session.settings.plots.format.pixels_each())?;
+    let size = [pixels.width() as usize, pixels.height() as usize];
+    ctx.copy_image(egui::ColorImage::from_rgba_premultiplied(size, pixels.data()));
+    Ok(())
+}
 
-    /// Puts the plots' numbers, or a picture, on the clipboard.
-    pub(in crate::app) fn copy(&mut self, command: Command, ctx: &egui::Context) {
-        let copied = match command {
-            Command::CopyCurves => self.numbers().map(|text| ctx.copy_text(text)),
-            Command::CopyGrids => self.copy_picture(&self.grids_picture(), ctx),
-            _ => self.plots_picture().and_then(|svg| self.copy_picture(&svg, ctx)),
-        };
-        let what = match command {
-            Command::CopyCurves => "The plots' numbers are on the clipboard, as CSV",
-            Command::CopyGrids => "The slices are on the clipboard, as a picture",
-            _ => "The plots are on the clipboard, as a picture",
-        };
-        match copied {
-            Ok(()) => self.say(what.to_owned()),
-            Err(error) => self.fail(error.to_string()),
+/// What the plots show, as CSV.
+fn numbers(session: &Session) -> Result<String, Box<dyn Error>> {
+    let mut bytes = Vec::new();
+    match session.settings.plots.tab {
+        Tab::Errors => return csv(&session.run.all_curves()),
+        Tab::Line => session.course().ok_or(NO_LINE)?.table().write_csv(&mut bytes)?,
+        Tab::Pareto => {
+            let rows: Vec<_> = session.pareto_rows().iter().collect();
+            table::pareto(&rows).write_csv(&mut bytes)?;
         }
     }
+    Ok(String::from_utf8(bytes)?)
+}
 
-    fn copy_picture(&self, svg: &str, ctx: &egui::Context) -> Result<(), Box<dyn Error>> {
-        let pixels = raster::pixels(svg, self.settings.plots.format.pixels_each())?;
-        let size = [pixels.width() as usize, pixels.height() as usize];
-        ctx.copy_image(egui::ColorImage::from_rgba_premultiplied(size, pixels.data()));
-        Ok(())
-    }
-
-    /// What the plots show, as CSV.
-    fn numbers(&self) -> Result<String, Box<dyn Error>> {
-        let mut bytes = Vec::new();
-        match self.settings.plots.tab {
-            Tab::Errors => return csv(&self.curves()),
-            Tab::Line => self.course().ok_or(NO_LINE)?.table().write_csv(&mut bytes)?,
-            Tab::Pareto => {
-                let rows: Vec<_> = self.pareto_rows().iter().collect();
-                table::pareto(&rows).write_csv(&mut bytes)?;
-            }
+/// The plots as SVG.
+fn plots_picture(session: &Session) -> Result<String, Box<dyn Error>> {
+    let (title, plots) = (session.document.name(), &session.settings.plots);
+    let figure = match plots.tab {
+        Tab::Errors => figure(&title, plots, &session.run.all_curves(), session.seen()),
+        Tab::Line => session.course().ok_or(NO_LINE)?.figure(&title, plots.line.log, &plots.format),
+        Tab::Pareto => {
+            let rows = pareto::against(session.pareto_rows(), plots.pareto);
+            pareto::figure(&title, &rows, plots.pareto, &plots.format)
         }
-        Ok(String::from_utf8(bytes)?)
-    }
+    };
+    Ok(figure.to_svg_set(plots.format.text()))
+}
 
-    /// The plots as SVG.
-    fn plots_picture(&self) -> Result<String, Box<dyn Error>> {
-        let (title, plots) = (self.document.name(), &self.settings.plots);
-        let figure = match plots.tab {
-            Tab::Errors => figure(&title, plots, &self.curves(), self.seen()),
-            Tab::Line => self.course().ok_or(NO_LINE)?.figure(&title, plots.line.log, &plots.format),
-            Tab::Pareto => {
-                let rows = pareto::against(self.pareto_rows(), plots.pareto);
-                pareto::figure(&title, &rows, plots.pareto, &plots.format)
-            }
-        };
-        Ok(figure.to_svg_set(plots.format.text()))
-    }
-
-    /// The slices as SVG.
-    fn grids_picture(&self) -> String {
-        let titles: Vec<String> = self.shown.iter().map(|shown| self.title(shown)).collect();
-        let Settings { view, plots, .. } = &self.settings;
-        slices(&self.document.name(), view, &self.shown, &titles, &plots.format)
-    }
+/// The slices as SVG.
+fn grids_picture(session: &Session) -> String {
+    let Settings { view, plots, .. } = &session.settings;
+    slices(&session.document.name(), view, &session.sight.shown, &session.titles(), &plots.format)
 }

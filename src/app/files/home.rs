@@ -6,12 +6,7 @@ use std::ffi::OsString;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use ron::error::SpannedError;
-
-use crate::app::files::recovery::Recovery;
-use crate::app::lab::Lab;
 use crate::app::session::settings::Settings;
-use crate::scene::error::Place;
 use crate::scene::{SceneError, file};
 
 /// The longest file that is read here, in bytes; settings take a few thousand.
@@ -109,14 +104,8 @@ fn read<T>(path: &Path, parse: impl Fn(&str, &Path) -> Result<T, SceneError>) ->
     }
 }
 
-/// A fault that RON's parser found in a file that the window keeps.
-pub(in crate::app) fn fault(error: &SpannedError, file: &Path, remedy: &str) -> SceneError {
-    let place = Place { line: error.span.start.line, column: Some(error.span.start.col) };
-    SceneError::file(file, place, error.code.to_string(), remedy)
-}
-
 /// Renames what cannot be read; whether that went well, and a line that tells of it.
-pub(in crate::app) fn put_aside(path: &Path, error: &SceneError, instead: &str) -> (bool, String) {
+pub(super) fn put_aside(path: &Path, error: &SceneError, instead: &str) -> (bool, String) {
     let aside = free_name(path);
     match std::fs::rename(path, &aside) {
         Ok(()) => (true, format!("{error}; {instead}, and it is kept as {}", aside.display())),
@@ -133,26 +122,4 @@ fn free_name(path: &Path) -> PathBuf {
     };
     let is_free = |path: &PathBuf| path.symlink_metadata().is_err();
     (1..1000).map(name).find(is_free).unwrap_or_else(|| name(1000))
-}
-
-impl Lab {
-    /// Keeps settings and unsaved work in `home` from now on; tells what was wrong there, and offers the work that other
-    /// windows left there.
-    pub fn move_in(&mut self, home: Home) {
-        let (recovery, complaints) = Recovery::look(home.folder());
-        let lines: Vec<&str> = home.complaints().iter().chain(&complaints).map(String::as_str).collect();
-        if !lines.is_empty() {
-            self.fail(lines.join(". "));
-        }
-        self.recovery = Some(recovery);
-        self.home = Some(home);
-    }
-
-    /// Writes the settings to where they are kept, if they are kept.
-    pub fn keep_settings(&mut self) {
-        let Some(home) = &mut self.home else { return };
-        if let Err(error) = home.save(&self.settings) {
-            log::warn!("{error}");
-        }
-    }
 }

@@ -4,17 +4,17 @@
 //! The file `unsaved-7-0.ron` belongs to whoever holds the lock on `unsaved-7-0.lock`. The system takes a lock back when
 //! its program ends, however it ends, so that no window takes what another is still writing.
 
-mod offer;
 mod slot;
 
 use std::path::{Path, PathBuf};
 use std::thread::{Builder, JoinHandle};
-use std::time::SystemTime;
+use std::time::{Duration, SystemTime};
 
 use serde::{Deserialize, Serialize};
 
-use crate::app::files::home::{fault, put_aside};
+use super::home::put_aside;
 use crate::app::session::document::Document;
+use crate::app::session::unreadable::fault;
 use crate::scene::{Preset, SceneError, file};
 use slot::Slot;
 
@@ -168,6 +168,19 @@ impl Recovery {
         Some(Document::unsaved(unsaved.preset, unsaved.path, unsaved.name))
     }
 
+    /// What is offered, in a line.
+    pub fn offer(&self) -> Option<String> {
+        let latest = self.found.first()?;
+        let more = match self.found.len() - 1 {
+            0 => String::new(),
+            more => format!(" ({more} more after this)"),
+        };
+        // A clock that was set back tells nothing.
+        let age = SystemTime::now().duration_since(latest.written).unwrap_or_default();
+        let name = &latest.unsaved.name;
+        Some(format!("Unsaved changes of {name} from {} were left by a window that ended early{more}.", ago(age)))
+    }
+
     /// Removes the latest work that was found.
     pub fn discard(&mut self) {
         if !self.found.is_empty() {
@@ -176,9 +189,30 @@ impl Recovery {
     }
 }
 
+/// A time that has passed, as people say it.
+fn ago(age: Duration) -> String {
+    let minutes = age.as_secs() / 60;
+    let (count, unit) = match minutes {
+        0 => return "less than a minute ago".to_owned(),
+        1..60 => (minutes, "minute"),
+        60..2880 => (minutes / 60, "hour"),
+        _ => (minutes / 1440, "day"),
+    };
+    format!("{count} {unit}{} ago", if count == 1 { "" } else { "s" })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ages_are_told_as_people_do() {
+        let told = |seconds| ago(Duration::from_secs(seconds));
+        assert_eq!(told(59), "less than a minute ago");
+        assert_eq!([told(60), told(3599)], ["1 minute ago", "59 minutes ago"]);
+        assert_eq!([told(3600), told(172_799)], ["1 hour ago", "47 hours ago"]);
+        assert_eq!(told(172_800), "2 days ago");
+    }
 
     fn edited(factor: f64) -> Document {
         let mut document = Document::new(Preset::default(), None);

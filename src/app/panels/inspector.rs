@@ -3,32 +3,32 @@
 use egui::{Grid, RichText, Ui};
 use egui_plot::{Line, LineStyle, Plot, PlotPoints, VLine};
 
+use super::field::name;
+use super::legend::number;
+use super::slices::under_pointer;
+use crate::app::draw::axis::iterations_apart;
+use crate::app::draw::grids::Pointed;
 use crate::app::draw::ink::color;
-use crate::app::lab::Lab;
-use crate::app::panels::legend::number;
+use crate::app::session::Session;
+use crate::app::session::ask::{Ask, Asks};
 use crate::app::worker::look::{Against, CellError, Of, Pane, Pin, PinSample, State};
 use crate::report::colour::Theme;
 use crate::sh::Sh;
 
-/// The panel.
-pub fn ui(lab: &mut Lab, ui: &mut Ui, theme: &Theme) {
-    let hovered = lab.under_pointer().map(|(shown, i)| {
+/// The panel; `pointed` is where the pointer is in the views.
+pub fn ui(ui: &mut Ui, session: &Session, pointed: Option<Pointed>, theme: &Theme, asks: &mut Asks) {
+    if let Some((shown, i)) = under_pointer(session, pointed) {
         let cell = &shown.slice.cells[i];
-        let pin = Pin { level: cell.level, cell: cell.cell };
         let what = match shown.pane {
             Pane { minus: Some(_), .. } => "Difference",
             Pane { state: State { of: Of::Truth, .. }, .. } => "What truly arrives",
             Pane { light, .. } => light.name(),
         };
-        (pin, what, cell.light, shown.errors.get(i).copied().flatten())
-    });
-    let seen = lab.seen();
-    if let Some((pin, what, light, error)) = hovered {
-        head(ui, &format!("{what} {}", place(pin)));
-        numbers(ui, light, error, lab.against());
+        head(ui, &format!("{what} {}", place(Pin { level: cell.level, cell: cell.cell })));
+        numbers(ui, cell.light, shown.errors.get(i).copied().flatten(), session.against());
         return;
     }
-    let Some(pin) = lab.pin else {
+    let Some(pin) = session.sight.pin else {
         head(ui, "Cell");
         ui.label(RichText::new("Point at a cell for its numbers; click it to pin it and see its course.").weak());
         return;
@@ -36,12 +36,14 @@ pub fn ui(lab: &mut Lab, ui: &mut Ui, theme: &Theme) {
     ui.horizontal(|ui| {
         head(ui, &format!("Pinned {}", place(pin)));
         if ui.small_button("✖").on_hover_text("Let the cell go").accessible_name("Unpin").clicked() {
-            lab.set_pin(None);
+            asks.ask(Ask::Pin(None));
         }
     });
-    let Some(sample) = lab.pinned.iter().rev().find(|sample| sample.iteration <= seen) else { return };
+    let seen = session.seen();
+    let pinned = &session.sight.pinned;
+    let Some(sample) = pinned.iter().rev().find(|sample| sample.iteration <= seen) else { return };
     numbers(ui, sample.accumulated, None, Against::Children);
-    course(ui, &lab.pinned, seen, theme);
+    course(ui, pinned, seen, theme);
 }
 
 fn head(ui: &mut Ui, text: &str) {
@@ -96,7 +98,7 @@ fn course(ui: &mut Ui, samples: &[PinSample], seen: usize, theme: &Theme) {
         .include_y(0.0)
         .allow_scroll(false)
         .legend(egui_plot::Legend::default().position(egui_plot::Corner::LeftTop).background_alpha(0.5))
-        .x_grid_spacer(crate::app::draw::axis::iterations_apart)
+        .x_grid_spacer(iterations_apart)
         .grid_color(color(theme.grid))
         .label_formatter(|position| match position {
             egui_plot::HoverPosition::NearDataPoint { plot_name, position, .. } => {
@@ -109,5 +111,5 @@ fn course(ui: &mut Ui, samples: &[PinSample], seen: usize, theme: &Theme) {
         plot.line(source.width(1.6).style(LineStyle::dashed_loose()));
         plot.vline(VLine::new("", seen as f64).color(color(theme.muted)).width(1.0).allow_hover(false));
     });
-    crate::app::panels::controls::name(&response.response, "c00 of the pinned cell over the iterations");
+    name(&response.response, "c00 of the pinned cell over the iterations");
 }

@@ -2,42 +2,54 @@
 
 use egui::{DragValue, Slider, Ui};
 
-use crate::app::lab::Lab;
-use crate::app::panels::controls::name;
-use crate::app::panels::toolbar;
+use super::button::{button, named_button};
+use super::field::name;
+use crate::app::session::Session;
+use crate::app::session::ask::{Ask, Asks};
 use crate::app::session::command::Command;
-use crate::app::session::settings::PAST;
+use crate::app::session::settings::{PACE, PAST};
 
 /// The timeline and the memory that it takes.
-pub fn ui(lab: &mut Lab, ui: &mut Ui) {
+pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     ui.horizontal(|ui| {
-        for (command, picture) in
-            [(Command::First, "⏮"), (Command::Back, "⏴"), (Command::Forward, "⏵"), (Command::Last, "⏭")]
-        {
-            toolbar::named_button(lab, ui, command, picture);
+        for (command, picture) in [(Command::First, "⏮"), (Command::Back, "⏴")] {
+            named_button(ui, session, command, picture, asks);
         }
-        let (oldest, latest) = (lab.progress.oldest, lab.progress.iteration);
-        let mut seen = lab.seen();
+        let play = if session.run.is_playing() { "⏸" } else { "▶" };
+        named_button(ui, session, Command::Play, play, asks);
+        for (command, picture) in [(Command::Forward, "⏵"), (Command::Last, "⏭")] {
+            named_button(ui, session, command, picture, asks);
+        }
+        let looping = ui.selectable_label(session.settings.looping, "⟲");
+        name(&looping.clone().on_hover_text(Command::Loop.tooltip(ui.ctx())), Command::Loop.name());
+        if looping.clicked() {
+            asks.command(Command::Loop);
+        }
+        let mut pace = session.settings.pace;
+        let field = DragValue::new(&mut pace).range(PACE).speed(0.1).max_decimals(1).suffix(" /s");
+        name(&ui.add(field).on_hover_text("Iterations a second while playing"), "Pace");
+        asks.changed(&session.settings.pace, pace, Ask::Pace);
+        let progress = &session.run.progress;
+        let (oldest, latest) = (progress.oldest, progress.iteration);
+        let mut seen = session.seen();
         let memory = 250.0;
         ui.spacing_mut().slider_width = (ui.available_width() - memory - 190.0).max(60.0);
         let slider = Slider::new(&mut seen, oldest..=latest.max(oldest + 1)).prefix("k = ");
         let slider = ui.add_enabled(latest > 0, slider).on_hover_text("The iteration that is shown");
         name(&slider, "Iteration shown");
         if slider.changed() {
-            lab.scrub(seen.min(latest));
+            asks.ask(Ask::Scrub(seen.min(latest)));
         }
-        toolbar::button(lab, ui, Command::Restart);
+        button(ui, session, Command::Restart, asks);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let mut mib = lab.settings.past_mib;
+            let mut mib = session.settings.past_mib;
             let field = DragValue::new(&mut mib).range(PAST).speed(4.0).suffix(" MiB");
             let field = ui
                 .add(field)
                 .on_hover_text("The memory that past iterations may take; what does not fit is computed again");
             name(&field, "Memory for the past");
-            if field.changed() {
-                lab.set_past(mib);
-            }
-            ui.label(format!("past: {:.0} of", lab.progress.past_bytes as f64 / f64::from(1 << 20)));
+            asks.changed(&session.settings.past_mib, mib, Ask::Past);
+            ui.label(format!("past: {:.0} of", progress.past_bytes as f64 / f64::from(1 << 20)));
         });
     });
 }

@@ -32,8 +32,10 @@ pub enum Command {
     RunAll,
     /// Run the edited scene as far as the present run has come.
     Rerun,
-    /// Propagate at a steady pace.
+    /// Show iteration after iteration at a steady pace.
     Play,
+    /// Begin again at the end.
+    Loop,
     /// End what is being computed.
     Stop,
     /// Show the iteration before.
@@ -96,7 +98,7 @@ pub enum Command {
 
 impl Command {
     /// All of them, in the order of the keyboard reference.
-    pub const ALL: [Command; 43] = [
+    pub const ALL: [Command; 44] = [
         Command::Open,
         Command::Save,
         Command::SaveAs,
@@ -111,6 +113,7 @@ impl Command {
         Command::RunAll,
         Command::Rerun,
         Command::Play,
+        Command::Loop,
         Command::Stop,
         Command::Back,
         Command::Forward,
@@ -163,11 +166,14 @@ impl Command {
             Command::Clear => ("Clear", "Make everything dark, and take over the scene as edited"),
             Command::Inject => ("Inject", "Add the injectors' light to the finest level"),
             Command::Downsample => ("Downsample", "Fill every coarser level with the mean of the finer one"),
-            Command::Propagate => ("Propagate", "One iteration on every level"),
+            Command::Propagate => {
+                ("Propagate", "The next iteration: the one that is there, or one more on every level")
+            }
             Command::Merge => ("Merge", "Sample the accumulated octree for every finest cell"),
             Command::RunAll => ("Run all", "Clear, inject, downsample, propagate as often as set, and merge"),
             Command::Rerun => ("Run again", "Run the scene as edited, as far as this run has come"),
-            Command::Play => ("Play", "Propagate at a steady pace, or pause"),
+            Command::Play => ("Play", "Replay the iterations that are there, then compute on; or pause"),
+            Command::Loop => ("Loop", "Begin again when the end is reached while playing"),
             Command::Stop => ("Stop", "End the run after the iteration in progress"),
             Command::Back => ("Iteration before", "Show the iteration before this one"),
             Command::Forward => ("Iteration after", "Show the iteration after this one"),
@@ -220,6 +226,7 @@ impl Command {
             Command::RunAll => plain(Key::R),
             Command::Rerun => plain(Key::F5),
             Command::Play => plain(Key::P),
+            Command::Loop => plain(Key::O),
             Command::Stop => plain(Key::Escape),
             Command::Back => plain(Key::ArrowLeft),
             Command::Forward => plain(Key::ArrowRight),

@@ -1,9 +1,7 @@
 //! The size and the colours in which plots and pictures are taken home.
 
-use egui::{DragValue, Ui};
 use serde::{Deserialize, Serialize};
 
-use crate::app::panels::controls::name;
 use crate::report::colour::Theme;
 
 /// CSS pixels in a millimetre: the unit of SVG where nothing else is said.
@@ -17,7 +15,7 @@ const PRINTED: f32 = 300.0;
 /// The smallest text in a picture for the screen, in pixels.
 const SMALLEST_TEXT: f64 = 12.0;
 /// The least and the greatest side that can be chosen, in pixels.
-const SIDES: std::ops::RangeInclusive<u32> = 200..=8000;
+pub const SIDES: std::ops::RangeInclusive<u32> = 200..=8000;
 
 /// How large an export is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -34,9 +32,11 @@ pub enum Size {
 }
 
 impl Size {
-    const ALL: [Size; 4] = [Size::Column, Size::Page, Size::Slide, Size::Own];
+    /// All of them.
+    pub const ALL: [Size; 4] = [Size::Column, Size::Page, Size::Slide, Size::Own];
 
-    fn name(self) -> &'static str {
+    /// Its name on screen.
+    pub fn name(self) -> &'static str {
         match self {
             Size::Column => "One column, 85 mm",
             Size::Page => "Two columns, 180 mm",
@@ -110,28 +110,6 @@ impl Format {
             Size::Column | Size::Page => PRINTED / 96.0,
             Size::Slide | Size::Own => 1.0,
         }
-    }
-
-    /// The controls.
-    pub fn ui(&mut self, ui: &mut Ui) {
-        ui.label("Size of pictures");
-        for size in Size::ALL {
-            ui.radio_value(&mut self.size, size, size.name());
-        }
-        ui.add_enabled_ui(self.size == Size::Own, |ui| {
-            ui.horizontal(|ui| {
-                ui.add_space(20.0);
-                let [width, height] = &mut self.own;
-                name(&ui.add(DragValue::new(width).range(SIDES).suffix(" px")), "Export width");
-                ui.label("×");
-                name(&ui.add(DragValue::new(height).range(SIDES).suffix(" px")), "Export height");
-            });
-        });
-        ui.horizontal(|ui| {
-            ui.label("Colours");
-            ui.radio_value(&mut self.dark, false, "Light").on_hover_text("Dark on light, for paper");
-            ui.radio_value(&mut self.dark, true, "Dark").on_hover_text("Light on dark, for a screen");
-        });
     }
 }
 

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use ron::ser::PrettyConfig;
 use serde::{Deserialize, Serialize};
 
-use crate::app::files::home::fault;
-use crate::app::panels::errors::Plots;
-use crate::app::session::view::View;
+use super::plots::Plots;
+use super::unreadable::fault;
+use super::view::{View, Workspace};
 use crate::app::worker::look::Layer;
 use crate::scene::SceneError;
 
@@ -29,6 +29,8 @@ const BEYOND: usize = 1 << 16;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
+    /// What fills the window between the bars.
+    pub workspace: Workspace,
     /// How light is looked at.
     pub view: View,
     /// What the error plots show.
@@ -39,6 +41,8 @@ pub struct Settings {
     pub past_mib: usize,
     /// Iterations a second while playing.
     pub pace: f64,
+    /// Whether playing begins again at the end.
+    pub looping: bool,
     /// Whether edits run again by themselves.
     pub rerun: bool,
 }
@@ -46,11 +50,13 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Settings {
+            workspace: Workspace::default(),
             view: View::default(),
             plots: Plots::default(),
             recent: Vec::new(),
             past_mib: 512,
             pace: 4.0,
+            looping: false,
             rerun: false,
         }
     }

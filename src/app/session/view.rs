@@ -62,6 +62,25 @@ impl Heat {
     }
 }
 
+/// What fills the window between the bars.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Workspace {
+    /// How light travels through the volume.
+    #[default]
+    Light,
+    /// The scene as a mesh in space, with its lights.
+    Scene,
+    /// What a camera sees.
+    Picture,
+    /// Questions put to the light.
+    Study,
+}
+
+impl Workspace {
+    /// Those that there is something in.
+    pub const FILLED: &[Workspace] = &[Workspace::Light];
+}
+
 /// The middle of the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Stage {
@@ -82,8 +101,9 @@ pub struct View {
     pub stage: Stage,
     /// Which level.
     pub layer: Layer,
-    /// The axis that slices are cut across: 0, 1 or 2.
-    pub across: usize,
+    /// The axis that slices are cut across.
+    #[serde(rename = "across", with = "super::place")]
+    pub axis: Axis,
     /// How far along that axis, in finest cells.
     pub index: usize,
     /// How intensities become radii.
@@ -94,10 +114,12 @@ pub struct View {
     pub full: f32,
     /// The powers of ten that a logarithmic scale spans.
     pub decades: f32,
-    /// What a glyph's colour tells, by its place in [`Paint::ALL`].
-    pub paint: usize,
-    /// Which colour of the light glyphs show, by its place in [`Hue::ALL`].
-    pub hue: usize,
+    /// What a glyph's colour tells.
+    #[serde(with = "super::place")]
+    pub paint: Paint,
+    /// Which colour of the light glyphs show.
+    #[serde(with = "super::place")]
+    pub hue: Hue,
     /// Whether negative lobes are drawn.
     pub negative: bool,
     /// What lies under the glyphs.
@@ -119,14 +141,14 @@ impl Default for View {
         View {
             stage: Stage::Grids,
             layer: Layer::Merged,
-            across: 2,
+            axis: Axis::Z,
             index: 16,
             scaling: Scaling::Log,
             fit: true,
             full: 0.1,
             decades: 4.0,
-            paint: 0,
-            hue: 0,
+            paint: Paint::Single,
+            hue: Hue::Mean,
             negative: true,
             heat: Heat::None,
             glyphs: true,
@@ -139,24 +161,9 @@ impl Default for View {
 }
 
 impl View {
-    /// The axis that slices are cut across.
-    pub fn axis(&self) -> Axis {
-        Axis::ALL[self.across.min(2)]
-    }
-
     /// Where slices are cut.
     pub fn plane(&self) -> Plane {
-        Plane { axis: self.axis(), index: self.index }
-    }
-
-    /// What a glyph's colour tells.
-    pub fn paint(&self) -> Paint {
-        Paint::ALL[self.paint % Paint::ALL.len()]
-    }
-
-    /// Which colour of the light glyphs show.
-    pub fn hue(&self) -> Hue {
-        Hue::ALL[self.hue % Hue::ALL.len()]
+        Plane { axis: self.axis, index: self.index }
     }
 }
 

@@ -13,7 +13,6 @@ use crate::app::worker::{Load, News, Order, Progress, Start};
 use crate::scene::Problem;
 use crate::simulation::{Action, Change};
 use crate::study::error::Metric;
-use crate::study::stability::outlook;
 use crate::transport::ballistic::Ballistic;
 
 /// The least time between two pictures of a run in progress.
@@ -262,23 +261,6 @@ impl Desk {
             }
         }
         self.picture(false);
-        self.foretell();
-    }
-
-    /// Tells if light will not end well. That takes longer than many a run, so it does not hold one up.
-    fn foretell(&self) {
-        let problems: Vec<Arc<Problem>> = self.tracks.iter().map(|track| Arc::clone(track.now().problem())).collect();
-        let (outbox, wake, generation) = (self.outbox.clone(), Arc::clone(&self.wake), self.generation);
-        let work = move || {
-            if let Some(line) = problems.iter().find_map(|problem| outlook::warning(problem)) {
-                // The window may be gone by now.
-                let _ = outbox.send((generation, News::Warned(line)));
-                wake();
-            }
-        };
-        if let Err(error) = std::thread::Builder::new().name("outlook".to_owned()).spawn(work) {
-            log::warn!("no thread for the outlook: {error}");
-        }
     }
 
     fn tracks_of(&self, load: &Load) -> Result<Vec<Track>, String> {

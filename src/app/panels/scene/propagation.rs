@@ -1,0 +1,80 @@
+//! How light is propagated: scheme, factor, iterations.
+
+use egui::{DragValue, Ui};
+
+use crate::app::panels::field::{choice, number, row};
+use crate::app::panels::runs::warning;
+use crate::scene::Propagation;
+use crate::scene::propagation::Policy;
+use crate::scene::propagation::ordinates::Lattice;
+use crate::scene::propagation::ordinates::Rule;
+use crate::scene::propagation::ordinates::{MOST_DIRECTIONS, Setting};
+use crate::scene::propagation::{MOST_ITERATIONS, Snapshots};
+use crate::study::stability::outlook::Exceeded;
+use crate::transport;
+use crate::transport::lattice::schemes;
+use crate::transport::ordinates;
+
+/// The largest factor that can be dragged to: far beyond where every scheme grows without bound.
+const LARGEST_FACTOR: f64 = 100.0;
+
+/// The fields of a propagator; those that the preset shares with no other. `exceeded` is a level that bears less
+/// than its factor.
+pub fn ui(ui: &mut Ui, propagation: &mut Propagation, exceeded: Option<Exceeded>) {
+    let schemes: Vec<String> = transport::names().iter().map(|name| (*name).to_owned()).collect();
+    let about = schemes::find(&propagation.scheme);
+    let hint = match about {
+        Some(scheme) => format!("{}\n{}", scheme.summary, scheme.source),
+        None => "Light that keeps its direction, on the finest level".to_owned(),
+    };
+    choice(ui, "Scheme", &hint, &mut propagation.scheme, &schemes, String::clone);
+    if propagation.scheme == ordinates::NAME {
+        directions(ui, &mut propagation.ordinates);
+    }
+    let field = DragValue::new(&mut propagation.factor).range(0.0..=LARGEST_FACTOR).speed(0.01).max_decimals(6);
+    number(
+        ui,
+        "Factor p",
+        "The propagation factor; with the cascaded scheme and ordinates 4 keeps all energy, 3 three quarters",
+        field,
+    );
+    warning(ui, exceeded);
+    let field = DragValue::new(&mut propagation.iterations).range(0..=MOST_ITERATIONS).speed(0.1);
+    number(ui, "Iterations", "How many iterations Run all does", field);
+    let text = |snapshots: &Snapshots| match snapshots {
+        Snapshots::Thesis => "Thesis: S₀ counts".to_owned(),
+        Snapshots::WithoutInjected => "From S₁ on".to_owned(),
+        Snapshots::CopyFirst => "NVIDIA: copy first".to_owned(),
+    };
+    let all = [Snapshots::Thesis, Snapshots::WithoutInjected, Snapshots::CopyFirst];
+    let hint = "What the accumulated light sums: S₀ to S_k, or as NVIDIA's sample does, S₁ = S₀ + p·P(S₀) and on";
+    choice(ui, "Snapshots", hint, &mut propagation.snapshots, &all, text);
+    let text = |policy: &Policy| match policy {
+        Policy::Same => "One factor for all".to_owned(),
+        Policy::Consistent => "Consistent".to_owned(),
+    };
+    let hint = "How the operator follows from the level: alike on all, as in the thesis, or so that levels agree";
+    choice(ui, "Levels", hint, &mut propagation.levels, &Policy::ALL, text);
+    row(ui, "Clamp", |ui| {
+        ui.checkbox(&mut propagation.clamp, "")
+            .on_hover_text("Negative flux counts as none; off, every iteration is linear")
+    });
+}
+
+/// The fields of the ordinates.
+fn directions(ui: &mut Ui, setting: &mut Setting) {
+    let field = DragValue::new(&mut setting.directions).range(1..=MOST_DIRECTIONS).speed(0.2);
+    number(ui, "Directions", "About how many; the octahedral lattice has 8, 32, 72, 128, 200, …", field);
+    let text = |rule: &Rule| match rule {
+        Rule::Donor => "Donor cell".to_owned(),
+        Rule::Faces => "By face".to_owned(),
+    };
+    let hint = "How light is shared among a cell's far faces: all alike, or by the face through which it came in";
+    choice(ui, "Shares", hint, &mut setting.rule, &Rule::ALL, text);
+    let text = |lattice: &Lattice| match lattice {
+        Lattice::Fibonacci => "Fibonacci spiral".to_owned(),
+        Lattice::Octahedral => "Octahedral".to_owned(),
+    };
+    let hint = "How directions are spread: a spiral from pole to pole, or a set with all symmetries of the cube";
+    choice(ui, "Lattice", hint, &mut setting.lattice, &Lattice::ALL, text);
+}

@@ -1,0 +1,78 @@
+//! The flat views, with what the pointer does in them.
+
+use egui::Ui;
+
+use crate::app::draw::glyphs::Scales;
+use crate::app::draw::grids::{Grids, Manner, Mark, Pointed};
+use crate::app::draw::ink::color;
+use crate::app::session::Session;
+use crate::app::session::ask::Asks;
+use crate::app::session::plots::Tab;
+use crate::app::worker::look::Shown;
+use crate::report::colour::Theme;
+use crate::report::slice::SliceCell;
+
+/// Draws the views in all the room there is; where the pointer is. `pointed` is where it was before.
+pub fn ui(
+    ui: &mut Ui,
+    session: &Session,
+    grids: &mut Grids,
+    scales: &Scales,
+    theme: &Theme,
+    pointed: Option<Pointed>,
+    asks: &mut Asks,
+) -> Option<Pointed> {
+    let marks = marks(session, theme, pointed);
+    let manner = Manner { view: &session.settings.view, theme, scales, marks: &marks };
+    let pointed = grids.ui(ui, &session.sight.shown, &session.titles(), &manner)?;
+    if let Some(shown) = session.sight.shown.get(pointed.pane) {
+        if pointed.double_clicked {
+            session.pick(shown, pointed.at, asks);
+        } else if pointed.clicked {
+            session.click(shown, pointed.at, asks);
+        }
+    }
+    Some(pointed)
+}
+
+/// The view and its cell under the pointer.
+pub fn under_pointer(session: &Session, pointed: Option<Pointed>) -> Option<(&Shown, usize)> {
+    let pointed = pointed?;
+    let shown = session.sight.shown.get(pointed.pane)?;
+    Some((shown, index_at(shown, pointed.at)?))
+}
+
+/// The cells to frame: the one under the pointer, in every view, the pinned one, and the line whose light is plotted.
+fn marks(session: &Session, theme: &Theme, pointed: Option<Pointed>) -> Vec<Mark> {
+    let mut marks = Vec::new();
+    if session.settings.plots.tab == Tab::Line {
+        let (line, axis) = (session.line(), session.settings.view.axis);
+        let (side, [column, row]) = (session.run.progress.side, [axis.columns(), axis.rows()]);
+        let color = color(theme.curve(1));
+        marks.push(match line.along == column {
+            true => Mark { pane: None, column: 0, row: line.through[row], size: [side, 1], color },
+            false => Mark { pane: None, column: line.through[column], row: 0, size: [1, side], color },
+        });
+    }
+    if let (Some(pin), Some(shown)) = (session.sight.pin, session.sight.shown.first()) {
+        let axis = shown.slice.plane.axis;
+        let span = 1 << pin.level;
+        let crossed = shown.slice.plane.index >> pin.level == pin.cell[axis.across()];
+        if crossed {
+            let (column, row) = (pin.cell[axis.columns()] * span, pin.cell[axis.rows()] * span);
+            marks.push(Mark { pane: None, column, row, size: [span; 2], color: color(theme.negative) });
+        }
+    }
+    if let Some((shown, i)) = under_pointer(session, pointed) {
+        let SliceCell { column, row, span, .. } = shown.slice.cells[i];
+        marks.push(Mark { pane: None, column, row, size: [span; 2], color: color(theme.ink) });
+    }
+    marks
+}
+
+/// Which of a slice's cells covers a finest cell.
+fn index_at(shown: &Shown, [column, row]: [usize; 2]) -> Option<usize> {
+    let covers = |from: usize, span: usize, at: usize| (from..from + span).contains(&at);
+    let cells = &shown.slice.cells;
+    cells.iter().position(|cell| covers(cell.column, cell.span, column) && covers(cell.row, cell.span, row))
+}

@@ -1,0 +1,108 @@
+//! What panels ask for. A panel reads the session and returns these; the window grants them once the frame is drawn,
+//! so that no panel sees a session that another has half changed.
+
+use std::path::PathBuf;
+
+use super::command::Command;
+use super::comparison::Comparison;
+use super::curves::Curves;
+use super::plots::Plots;
+use super::purpose::Purpose;
+use super::sight::SpaceLook;
+use super::view::View;
+use crate::app::worker::look::Pin;
+use crate::scene::Preset;
+
+/// Something that a panel asks for.
+#[derive(Clone, Debug)]
+pub enum Ask {
+    /// Do what a command says, if it can be done.
+    Do(Command),
+    /// The preset as edited.
+    Preset(Box<Preset>),
+    /// How light is looked at.
+    View(Box<View>),
+    /// How light in space is looked at.
+    Space(SpaceLook),
+    /// What the plots show.
+    Plots(Box<Plots>),
+    /// What is put side by side.
+    Comparison(Comparison),
+    /// The curves of earlier runs.
+    Kept(Vec<Curves>),
+    /// Whether edits run again by themselves.
+    Rerun(bool),
+    /// Iterations a second while playing.
+    Pace(f64),
+    /// Memory for past iterations, in MiB.
+    Past(usize),
+    /// Show this iteration.
+    Scrub(usize),
+    /// Keep a cell in sight, or none.
+    Pin(Option<Pin>),
+    /// Have this injector placed by the next click in a view, or none.
+    Place(Option<usize>),
+    /// Choose a file.
+    Choose(Purpose),
+    /// Do what would lose edits, after a question where there are any.
+    Leave(Next),
+    /// Say this.
+    Say(String),
+    /// Dismiss what is said.
+    Dismiss,
+    /// Give up what truly arrives, or begin again.
+    SeekTruth(bool),
+    /// Call off the measurement of run time against error.
+    CancelMeasurement,
+    /// Delete the unsaved work that another window left.
+    DiscardRecovered,
+}
+
+/// What was asked for in a frame, in order.
+#[derive(Debug, Default)]
+pub struct Asks(pub Vec<Ask>);
+
+impl Asks {
+    /// Asks for something.
+    pub fn ask(&mut self, ask: Ask) {
+        self.0.push(ask);
+    }
+
+    /// Asks for a command.
+    pub fn command(&mut self, command: Command) {
+        self.ask(Ask::Do(command));
+    }
+
+    /// Asks for a value where a panel has changed its copy of it.
+    pub fn changed<T: PartialEq>(&mut self, before: &T, after: T, ask: impl FnOnce(T) -> Ask) {
+        if *before != after {
+            self.ask(ask(after));
+        }
+    }
+}
+
+/// What is to happen once edits are saved or given up.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Next {
+    /// Open a preset file.
+    Open(PathBuf),
+    /// Open a built-in preset.
+    BuiltIn(String),
+    /// Open the unsaved work that another window left.
+    Recover,
+    /// Close the window.
+    Close,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_changed_is_asked_for() {
+        let mut asks = Asks::default();
+        asks.changed(&4.0, 4.0, Ask::Pace);
+        asks.changed(&4.0, 5.0, Ask::Pace);
+        assert!(matches!(asks.0.as_slice(), [Ask::Pace(pace)] if *pace == 5.0));
+    }
+}

@@ -1,0 +1,62 @@
+//! What files are asked for.
+
+use super::command::Command;
+
+/// What a file is wanted for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// Open a preset.
+    Open,
+    /// Save the preset.
+    SaveAs,
+    /// The cells of the preset's injector of this number, or of a new one.
+    Injector(usize),
+    /// The cells of the preset's occluder of this number, or of a new one.
+    Occluder(usize),
+    /// Save what an export command says.
+    Export(Command),
+}
+
+impl Purpose {
+    /// What is asked.
+    pub fn title(self) -> &'static str {
+        match self {
+            Purpose::Open => "Open a preset",
+            Purpose::SaveAs => "Save the preset as",
+            Purpose::Injector(_) => "A file of light: CSV or .npy, beside the preset",
+            Purpose::Occluder(_) => "A file of occupied cells: CSV, beside the preset",
+            Purpose::Export(command) => command.explanation(),
+        }
+    }
+
+    /// What confirms it.
+    pub fn verb(self) -> &'static str {
+        match self {
+            Purpose::Open => "Open",
+            Purpose::Injector(_) | Purpose::Occluder(_) => "Use",
+            Purpose::SaveAs | Purpose::Export(_) => "Save to file",
+        }
+    }
+
+    /// Whether a picture is made, which has a size and colours.
+    pub fn is_picture(self) -> bool {
+        matches!(self, Purpose::Export(Command::ExportSvg | Command::ExportPng | Command::ExportGrids))
+    }
+
+    /// Whether the file is written.
+    pub fn writes(self) -> bool {
+        matches!(self, Purpose::SaveAs | Purpose::Export(_))
+    }
+
+    /// The endings that fit, the usual one first.
+    pub fn endings(self) -> &'static [&'static str] {
+        match self {
+            Purpose::Open | Purpose::SaveAs => &["ron"],
+            Purpose::Injector(_) => &["csv", "npy"],
+            Purpose::Occluder(_) | Purpose::Export(Command::ExportCsv) => &["csv"],
+            Purpose::Export(Command::ExportSvg) => &["svg"],
+            Purpose::Export(Command::ExportPng) => &["png"],
+            Purpose::Export(_) => &["svg", "png"],
+        }
+    }
+}

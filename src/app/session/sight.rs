@@ -1,0 +1,124 @@
+//! What is seen: the views as they came from the worker, and what was asked for.
+
+use std::sync::Arc;
+
+use super::Session;
+use super::plots::Tab;
+use super::view::Stage;
+use crate::app::worker::Order;
+use crate::app::worker::look::{Against, Cloud, CloudAsk, Light, Look, Of, Pane, Pin, PinSample, Shown, State};
+use crate::study::error::Metric;
+
+/// How light in space is looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpaceLook {
+    /// Lobes in place of cubes.
+    pub lobes: bool,
+    /// The share of the strongest light below which cells are left out.
+    pub threshold: f32,
+}
+
+impl Default for SpaceLook {
+    fn default() -> Self {
+        SpaceLook { lobes: false, threshold: 0.01 }
+    }
+}
+
+/// What is seen.
+#[derive(Debug)]
+pub struct Sight {
+    /// The flat views.
+    pub shown: Vec<Shown>,
+    /// The light in space, while it is shown.
+    pub cloud: Option<Arc<Cloud>>,
+    /// Counts what came from the worker, so that what was drawn of it can be told to be out of date.
+    pub edition: u64,
+    /// What was asked for.
+    pub asked: Option<Look>,
+    /// Whether the views show it, after the last action.
+    pub answered: bool,
+    /// The metric that the worker was told to measure by first.
+    measured_by: Option<Metric>,
+    /// How light in space is looked at.
+    pub space: SpaceLook,
+    /// The cell that stays in sight.
+    pub pin: Option<Pin>,
+    /// What it has held so far.
+    pub pinned: Vec<PinSample>,
+    /// Whether slices are still to be moved to where the light is.
+    pub centre: bool,
+}
+
+impl Default for Sight {
+    fn default() -> Self {
+        Sight {
+            shown: Vec::new(),
+            cloud: None,
+            edition: 0,
+            asked: None,
+            answered: false,
+            measured_by: None,
+            space: SpaceLook::default(),
+            pin: None,
+            pinned: Vec::new(),
+            centre: true,
+        }
+    }
+}
+
+impl Sight {
+    /// Takes views in, if they are what was last asked for.
+    pub fn take(&mut self, look: &Look, panes: Vec<Shown>, cloud: Option<Cloud>) {
+        if self.asked.as_ref() == Some(look) {
+            self.answered = true;
+            self.shown = panes;
+            self.edition += 1;
+            self.cloud = cloud.map(Arc::new);
+        }
+    }
+}
+
+impl Session {
+    /// Has measured first what the plots show.
+    pub(super) fn choose_metric(&mut self) {
+        let plots = &self.settings.plots;
+        let metric = (plots.tab == Tab::Errors).then_some(plots.metric);
+        if self.sight.measured_by != metric {
+            self.sight.measured_by = metric;
+            self.sight.answered = false;
+            self.run.worker.order(Order::Measure(metric));
+        }
+    }
+
+    /// What errors of cells are against: the same as in the plots.
+    pub fn against(&self) -> Against {
+        match self.settings.plots.metric {
+            Metric::Thesis => Against::Children,
+            Metric::Corrected | Metric::Merged => Against::Uniform,
+            Metric::Ballistic => Against::Truth,
+        }
+    }
+
+    /// What is to be seen.
+    pub(super) fn look(&self) -> Look {
+        let view = &self.settings.view;
+        let state = State { of: Of::Track(0), iteration: self.run.at };
+        let pane = |light| Pane { light, state, minus: None };
+        let (panes, cloud) = match view.stage {
+            Stage::Grids => (Light::ALL.map(pane).to_vec(), None),
+            Stage::Compare => (self.comparison.panes(self.run.at, &self.run.others), None),
+            Stage::Space => {
+                let ask = CloudAsk { pane: pane(self.comparison.light), threshold: self.sight.space.threshold };
+                (vec![ask.pane], Some(ask))
+            }
+        };
+        Look { panes, layer: view.layer, plane: view.plane(), against: self.against(), cloud }
+    }
+
+    /// Keeps a cell in sight, or none.
+    pub fn set_pin(&mut self, pin: Option<Pin>) {
+        self.sight.pin = pin;
+        self.sight.pinned.clear();
+        self.run.worker.order(Order::Pin(pin));
+    }
+}

@@ -1,0 +1,15 @@
+//! Questions put to the light.
+
+use egui::Ui;
+
+use super::Panels;
+use crate::app::session::Session;
+use crate::app::session::ask::Asks;
+
+/// The workspace's own state.
+#[derive(Debug, Default)]
+pub struct Study {}
+
+impl Panels for Study {
+    fn ui(&mut self, _ui: &mut Ui, _session: &Session, _asks: &mut Asks) {}
+}

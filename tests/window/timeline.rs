@@ -1,0 +1,71 @@
+//! The transport of time: play, one more, loop.
+
+use lpv_lab::app::Command;
+
+use crate::driver::*;
+
+#[test]
+fn space_is_the_next_iteration_wherever_the_timeline_stands() {
+    let mut harness = window(SMALL);
+    click(&mut harness, "Run all");
+    set_number(&mut harness, "Iteration shown", 3.0);
+    for seen in [4, 5] {
+        harness.key_press(egui::Key::Space);
+        settle(&mut harness);
+        assert_eq!((lab(&harness).seen(), lab(&harness).iteration()), (seen, 5));
+    }
+    harness.key_press(egui::Key::Space);
+    settle(&mut harness);
+    assert_eq!((lab(&harness).seen(), lab(&harness).iteration()), (6, 6));
+}
+
+/// The iterations that are seen one after the other until the window rests, or so many.
+fn watched(harness: &mut Window, most: usize) -> Vec<usize> {
+    let mut seen = vec![lab(harness).seen()];
+    for _ in 0..4000 {
+        harness.step();
+        if seen.last() != Some(&lab(harness).seen()) {
+            seen.push(lab(harness).seen());
+        }
+        if lab(harness).is_idle() || seen.len() > most {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    seen
+}
+
+#[test]
+fn play_replays_what_is_there_and_computes_on() {
+    let mut harness = window(SMALL);
+    set_number(&mut harness, "Pace", 60.0);
+    for _ in 0..3 {
+        click(&mut harness, "Propagate");
+    }
+    set_number(&mut harness, "Iteration shown", 1.0);
+    harness.key_press(egui::Key::P);
+    // A key takes two frames, and the first step is due at once.
+    let seen = watched(&mut harness, 99);
+    assert_eq!((seen[0], &seen[seen.len() - 3..]), (1, [3, 4, 5].as_slice()));
+    assert_eq!(lab(&harness).iteration(), 5);
+    // At the end it begins again from the start.
+    harness.key_press(egui::Key::P);
+    let again = watched(&mut harness, 99);
+    assert_eq!(again[again.len() - 4..], [2, 3, 4, 5]);
+    assert!(again.iter().any(|k| *k < 2), "{again:?}");
+    assert_eq!(lab(&harness).iteration(), 5);
+}
+
+#[test]
+fn a_loop_begins_again_until_it_is_paused() {
+    let mut harness = window(SMALL);
+    set_number(&mut harness, "Pace", 60.0);
+    click(&mut harness, "Run all");
+    click(&mut harness, Command::Loop.name());
+    harness.key_press(egui::Key::P);
+    let seen = watched(&mut harness, 20);
+    assert!(seen.windows(2).filter(|pair| *pair == [5, 0]).count() >= 2, "{seen:?}");
+    harness.key_press(egui::Key::P);
+    settle(&mut harness);
+    assert_eq!(lab(&harness).iteration(), 5);
+}
