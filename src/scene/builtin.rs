@@ -11,6 +11,12 @@ macro_rules! presets {
     };
 }
 
+macro_rules! files_beside {
+    ($($path:literal),* $(,)?) => {
+        &[$(($path, include_str!(concat!("../../presets/", $path)))),*]
+    };
+}
+
 /// Every built-in preset: its name and its text. The first is the one the program opens by itself.
 pub const PRESETS: &[(&str, &str)] = presets![
     "two-walls",
@@ -27,10 +33,24 @@ pub const PRESETS: &[(&str, &str)] = presets![
     "pillar",
     "room-with-window",
     "mirrored-room",
+    "cornell",
+    "cube-room",
+    "room-with-windows",
+    "atrium",
 ];
 
 /// Files beside the presets that some of them read, by their path from the presets' folder.
-const CELL_FILES: &[(&str, &str)] = &[("cells/ring.csv", include_str!("../../presets/cells/ring.csv"))];
+const BESIDE: &[(&str, &str)] = files_beside![
+    "cells/ring.csv",
+    "scenes/atrium.mtl",
+    "scenes/atrium.obj",
+    "scenes/cornell.mtl",
+    "scenes/cornell.obj",
+    "scenes/cube-room.mtl",
+    "scenes/cube-room.obj",
+    "scenes/room-with-windows.mtl",
+    "scenes/room-with-windows.obj",
+];
 
 /// The text of the built-in preset called `name`.
 pub fn find(name: &str) -> Option<&'static str> {
@@ -41,7 +61,7 @@ pub fn find(name: &str) -> Option<&'static str> {
 /// system's temporary files.
 pub fn folder() -> io::Result<PathBuf> {
     let folder = std::env::temp_dir().join(concat!("lpv-lab-presets-", env!("CARGO_PKG_VERSION")));
-    for (path, text) in CELL_FILES {
+    for (path, text) in BESIDE {
         let path = folder.join(path);
         if std::fs::read_to_string(&path).is_ok_and(|there| there == *text) {
             continue;
@@ -58,7 +78,7 @@ pub fn folder() -> io::Result<PathBuf> {
 /// Every file that belongs to the presets, by its path from their folder, with its text.
 pub fn files() -> impl Iterator<Item = (String, &'static str)> {
     let presets = PRESETS.iter().map(|(name, text)| (format!("{name}.ron"), *text));
-    presets.chain(CELL_FILES.iter().map(|(path, text)| ((*path).to_owned(), *text)))
+    presets.chain(BESIDE.iter().map(|(path, text)| ((*path).to_owned(), *text)))
 }
 
 #[cfg(test)]

@@ -242,7 +242,9 @@ impl Light {
         let is_sun = matches!(self.kind, LightKind::Sun { .. });
         let in_kind = |fault: Fault| fault.field("kind");
         match self.kind {
-            LightKind::Point { position } => place(position, "the position").map_err(|f| in_kind(f.field("position")))?,
+            LightKind::Point { position } => {
+                place(position, "the position").map_err(|f| in_kind(f.field("position")))?
+            }
             LightKind::Spot { position, direction, angle, blend } => {
                 place(position, "the position").map_err(|f| in_kind(f.field("position")))?;
                 unit(direction, "direction").map_err(|f| in_kind(f.field("direction")))?;
@@ -263,9 +265,14 @@ impl Light {
             if is_sun { (self.irradiance, self.intensity) } else { (self.intensity, self.irradiance) };
         let (name, unit_name) = if is_sun { ("irradiance", "W/m²") } else { ("intensity", "W/sr") };
         if other.is_some() {
-            let (what, name_of_other) =
-                if is_sun { ("the sun has no intensity", "intensity") } else { ("only the sun has an irradiance", "irradiance") };
-            return Err(Fault::new(what, format!("write {name}: (red, green, blue) in {unit_name}")).field(name_of_other));
+            let (what, name_of_other) = if is_sun {
+                ("the sun has no intensity", "intensity")
+            } else {
+                ("only the sun has an irradiance", "irradiance")
+            };
+            return Err(
+                Fault::new(what, format!("write {name}: (red, green, blue) in {unit_name}")).field(name_of_other)
+            );
         }
         match wanted {
             Some(power) if power.iter().all(|p| (0.0..=BRIGHTEST).contains(p)) => Ok(()),
@@ -273,7 +280,9 @@ impl Light {
                 let remedy = format!("write three numbers from 0 to {BRIGHTEST:e}, in {unit_name}");
                 Err(Fault::new(format!("the {name} is not finite, negative or too great"), remedy).field(name))
             }
-            None => Err(Fault::new(format!("the light has no {name}"), format!("write {name}: (1, 1, 1), in {unit_name}"))),
+            None => {
+                Err(Fault::new(format!("the light has no {name}"), format!("write {name}: (1, 1, 1), in {unit_name}")))
+            }
         }
     }
 }

@@ -45,12 +45,14 @@ impl Placement {
         self.in_metres(DVec3::from_array(cell.map(|c| c as f64 + 0.5)))
     }
 
-    /// The cell that a point lies in, if any. What lies on a border between two belongs to the upper one; so does what
-    /// is on the volume's upper border to no cell.
+    /// The cell that a point lies in, if any. What lies on a border between two belongs to the upper one, on the
+    /// volume's upper border to the last; what rounding moved out of the volume, by less than 10⁻⁶ of a cell, is on its
+    /// border.
     pub fn cell_of(&self, point: DVec3) -> Option<Cell> {
-        let at = self.in_cells(point).floor();
-        let inside = at.cmpge(DVec3::ZERO).all() && at.cmplt(DVec3::splat(self.size as f64)).all();
-        inside.then(|| at.to_array().map(|c| c as usize))
+        const SLACK: f64 = 1e-6;
+        let (at, n) = (self.in_cells(point), self.size as f64);
+        let inside = at.cmpge(DVec3::splat(-SLACK)).all() && at.cmple(DVec3::splat(n + SLACK)).all();
+        inside.then(|| at.to_array().map(|c| c.floor().clamp(0.0, n - 1.0) as usize))
     }
 
     /// The volume's corners with the smallest and the largest coordinates, in metres.
@@ -77,7 +79,8 @@ mod tests {
         assert_eq!((volume.cell_side, volume.in_cells(bounds[0]).x), (1.0, 2.0));
         assert_eq!(volume.in_cells(bounds[1]).x, 6.0);
         assert_eq!(volume.cell_of(DVec3::new(1.0, 1.0, 2.5)), Some([4, 4, 4]));
-        assert_eq!(volume.cell_of(volume.bounds()[1]), None);
+        assert_eq!(volume.cell_of(volume.bounds()[1]), Some([7; 3]));
+        assert_eq!(volume.cell_of(volume.bounds()[1] + DVec3::X * 1e-3), None);
         assert_eq!(volume.middle([4, 4, 4]), DVec3::new(1.5, 1.5, 3.0));
     }
 }

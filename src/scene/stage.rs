@@ -4,7 +4,9 @@
 //! as what it was made from is the same: a light that moves makes its own map again and nothing else, a mesh that has
 //! not changed is neither read nor clipped again, and scenes of one mesh share it.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
@@ -27,6 +29,8 @@ pub const MOST_TEXELS: usize = 1 << 23;
 /// A mesh as it was read, ready for rays.
 #[derive(Debug)]
 pub struct Model {
+    /// Tells it apart from every other one.
+    number: u64,
     /// The mesh.
     pub mesh: Mesh,
     /// Rays through it.
@@ -97,7 +101,8 @@ impl Stage {
         let lit = [low.max(first), high.min(last).max(low.max(first))];
         let maps: Vec<Arc<ShadowMap>> = lights.iter().map(|light| cache.map(light, side, &model, lit)).collect();
         let glowing = emitter::glowing(mesh, &placement);
-        let emitters: Vec<Emitter> = maps.iter().flat_map(|map| map.texels()).map(Emitter::of).chain(glowing.clone()).collect();
+        let emitters: Vec<Emitter> =
+            maps.iter().flat_map(|map| map.texels()).map(Emitter::of).chain(glowing.clone()).collect();
         let injected = Arc::new(emitter::inject(&emitters, &placement, scene.injection));
         let camera = scene.camera.unwrap_or_else(|| facing(mesh.bounds()));
         let voxels = cache.voxels(&model, &placement)?;
@@ -150,10 +155,15 @@ impl Files for InFolder<'_> {
         if !found.try_exists().unwrap_or(true) {
             return Err(Unread::Missing);
         }
-        file::read_bytes(&found, limit).map_err(|error| match error {
+        let told = |error: SceneError| match error {
             SceneError::File { what, remedy, .. } => refused(what, remedy),
             SceneError::Document(fault) => refused(fault.what, fault.remedy),
-        })
+        };
+        let (file, length) = file::open(&found, limit).map_err(told)?;
+        let mut bytes = Vec::with_capacity(length as usize);
+        let read = file.take(limit).read_to_end(&mut bytes);
+        read.map_err(|error| refused(error.to_string(), "check the file and its disk".to_owned()))?;
+        Ok(bytes)
     }
 }
 
@@ -170,20 +180,18 @@ struct Kept {
 
 /// A mesh's file with the time of its last change and its length; libraries and textures count as part of it.
 type ModelKey = (PathBuf, Option<SystemTime>, u64);
-/// A light's map. Meshes are told apart by where they lie in memory: the cache keeps them there.
-type MapKey = (usize, Light, usize, [DVec3; 2]);
-type VoxelKey = (usize, Placement);
+/// How many meshes were read.
+static MODELS: AtomicU64 = AtomicU64::new(0);
+
+/// A light's map, by the number of its mesh.
+type MapKey = (u64, Light, usize, [DVec3; 2]);
+type VoxelKey = (u64, Placement);
 
 /// How many meshes, maps and volumes are kept.
 const KEPT: [usize; 3] = [4, 32, 8];
 
 impl Cache {
-    fn model(
-        &self,
-        path: &Path,
-        folder: &Path,
-        progress: &mut dyn FnMut(f64),
-    ) -> Result<Arc<Model>, SceneError> {
+    fn model(&self, path: &Path, folder: &Path, progress: &mut dyn FnMut(f64)) -> Result<Arc<Model>, SceneError> {
         let found = folder.join(path);
         let about = std::fs::metadata(&found).ok();
         let key = (found, about.as_ref().and_then(|a| a.modified().ok()), about.map_or(0, |a| a.len()));
@@ -192,15 +200,16 @@ impl Cache {
         }
         let loaded = read::read(path, &InFolder(folder), progress).map_err(|fault| told(fault, folder))?;
         let bvh = Bvh::new(&loaded.mesh);
-        let model = Arc::new(Model { mesh: loaded.mesh, bvh, lamps: loaded.lamps, notes: loaded.notes });
+        let number = MODELS.fetch_add(1, Ordering::Relaxed);
+        let model = Arc::new(Model { number, mesh: loaded.mesh, bvh, lamps: loaded.lamps, notes: loaded.notes });
         keep(&mut self.kept().models, key, &model, KEPT[0]);
         Ok(model)
     }
 
-    fn map(&self, light: &Light, side: usize, model: &Arc<Model>, lit: [DVec3; 2]) -> Arc<ShadowMap> {
+    fn map(&self, light: &Light, side: usize, model: &Model, lit: [DVec3; 2]) -> Arc<ShadowMap> {
         // Only the sun's map depends on what it lights.
         let extent = if matches!(light.kind, LightKind::Sun { .. }) { lit } else { [DVec3::ZERO; 2] };
-        let key = (Arc::as_ptr(model) as usize, light.clone(), side, extent);
+        let key = (model.number, light.clone(), side, extent);
         if let Some(map) = find(&self.kept().maps, &key) {
             return map;
         }
@@ -209,8 +218,8 @@ impl Cache {
         map
     }
 
-    fn voxels(&self, model: &Arc<Model>, placement: &Placement) -> Result<Arc<Voxels>, SceneError> {
-        let key = (Arc::as_ptr(model) as usize, *placement);
+    fn voxels(&self, model: &Model, placement: &Placement) -> Result<Arc<Voxels>, SceneError> {
+        let key = (model.number, *placement);
         if let Some(voxels) = find(&self.kept().voxels, &key) {
             return Ok(voxels);
         }

@@ -204,10 +204,11 @@ mod tests {
         let problem = Problem {
             size: 8,
             coarsest: 1,
-            sources: vec![Source { color: [1.0; 3], light }],
+            sources: vec![Source { color: [1.0; 3], light, ..Source::default() }],
             solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation { factor, iterations: 10_000, snapshots, ..Propagation::default() },
+            ..Problem::default()
         };
         Simulation::new(problem).unwrap()
     }

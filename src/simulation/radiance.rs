@@ -191,7 +191,7 @@ mod tests {
         Problem {
             size: 8,
             coarsest: 1,
-            sources: vec![Source { color: [1.0, 0.5, 0.0], light }],
+            sources: vec![Source { color: [1.0, 0.5, 0.0], light, ..Source::default() }],
             solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation {
@@ -201,6 +201,7 @@ mod tests {
                 ordinates,
                 ..Propagation::default()
             },
+            ..Problem::default()
         }
     }
 
@@ -215,7 +216,7 @@ mod tests {
         for mode in [OcclusionMode::Hard, OcclusionMode::Fuzzy, OcclusionMode::Off] {
             let mut problem = problem(4.0);
             problem.occlusion.mode = mode;
-            problem.solids = vec![Solid { cell: [4, 3, 3], normal: DVec3::X, opacity: 0.7, albedo: [0.5; 3] }];
+            problem.solids = vec![Solid::new([4, 3, 3], DVec3::X, 0.7, [0.5; 3])];
             let simulation = run::<f32>(&problem);
             let mut injected = Grid::new(8);
             problem.sources[0].light.iter().for_each(|(cell, light)| injected.set(*cell, light.cast()));

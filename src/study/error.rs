@@ -261,7 +261,8 @@ mod tests {
 
     #[test]
     fn a_uniform_volume_has_no_error_by_any_metric() {
-        let source = Source { color: [1.0, 0.5, 0.0], light: vec![([3, 1, 2], Sh::lobe(DVec3::X))] };
+        let source =
+            Source { color: [1.0, 0.5, 0.0], light: vec![([3, 1, 2], Sh::lobe(DVec3::X))], ..Source::default() };
         let problem = Problem {
             size: 4,
             coarsest: 4,
@@ -269,6 +270,7 @@ mod tests {
             solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation { iterations: 3, ..Propagation::default() },
+            ..Problem::default()
         };
         let mut simulation = Simulation::<f32>::new(problem).unwrap();
         simulation.run(|_| true);

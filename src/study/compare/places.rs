@@ -97,14 +97,15 @@ mod tests {
     /// A light at (0, 0, 0) of a 4³ volume, and an opaque wall at x = 1 with a hole or without.
     fn places(closed: bool) -> Places {
         let wall = Layout::new(4).cells().filter(|c| c[0] == 1 && (closed || *c != [1, 3, 3]));
-        let block = |cell| Solid { cell, normal: DVec3::NEG_X, opacity: 1.0, albedo: [0.0; 3] };
+        let block = |cell| Solid::new(cell, DVec3::NEG_X, 1.0, [0.0; 3]);
         Places::of(&Problem {
             size: 4,
             coarsest: 1,
-            sources: vec![Source { color: [1.0; 3], light: vec![([0; 3], Sh::lobe(DVec3::X))] }],
+            sources: vec![Source { color: [1.0; 3], light: vec![([0; 3], Sh::lobe(DVec3::X))], ..Source::default() }],
             solids: wall.map(block).collect(),
             occlusion: Occlusion::default(),
             propagation: Propagation::default(),
+            ..Problem::default()
         })
     }
 
