@@ -6,12 +6,14 @@
 mod axis;
 pub mod colour;
 pub mod error_plot;
+pub mod fonts;
 pub mod glyph;
 mod legend;
 pub mod number;
 pub mod picture;
 pub mod plot;
 pub mod raster;
+pub mod shadow_map;
 pub mod slice;
 mod svg;
 pub mod table;

@@ -5,6 +5,8 @@
 //! All of them take a [`Problem`](crate::scene::Problem) and grids; none knows the simulation that steps it.
 
 pub mod ballistic;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod lattice;
 pub mod ordinates;
 pub mod preset;

@@ -78,11 +78,16 @@ fn hostile() -> Vec<(String, Vec<u8>)> {
         ("passwd.gltf", document(r#""uri": "../../etc/passwd", "#)),
         ("far.gltf", document(r#""uri": "https://example.org/a.bin", "#)),
         ("base64.gltf", document(r#""uri": "data:application/octet-stream;base64,?", "#)),
-        ("draco.gltf", document("").replace(r#""scene": 0"#, r#""extensionsRequired": ["KHR_draco_mesh_compression"], "scene": 0"#)),
+        (
+            "draco.gltf",
+            document("")
+                .replace(r#""scene": 0"#, r#""extensionsRequired": ["KHR_draco_mesh_compression"], "scene": 0"#),
+        ),
         ("loop.gltf", document("").replace(r#"{"mesh": 0}"#, r#"{"mesh": 0, "children": [0]}"#)),
         ("chain.gltf", document("").replace(r#"{"mesh": 0}"#, &format!("{chain}{{}}"))),
     ];
-    let mut files: Vec<(String, Vec<u8>)> = texts.into_iter().map(|(name, text)| (name.to_owned(), text.into_bytes())).collect();
+    let mut files: Vec<(String, Vec<u8>)> =
+        texts.into_iter().map(|(name, text)| (name.to_owned(), text.into_bytes())).collect();
     let good = glb(&document(""), &triangle(1.0));
     let mut add = |name: &str, bytes: Vec<u8>| files.push((name.to_owned(), bytes));
     add("cut.glb", good[..good.len() - 20].to_vec());
@@ -90,7 +95,10 @@ fn hostile() -> Vec<(String, Vec<u8>)> {
     add("noise.glb", (0..4096u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect());
     add("nan.glb", glb(&document(""), &triangle(f32::NAN)));
     add("billions.glb", glb(&document("").replace(r#""count": 3"#, r#""count": 4000000000"#), &triangle(1.0)));
-    add("wrap.glb", glb(&document("").replace(r#""byteLength": 36}]"#, r#""byteLength": 18446744073709551615}]"#), &triangle(1.0)));
+    add(
+        "wrap.glb",
+        glb(&document("").replace(r#""byteLength": 36}]"#, r#""byteLength": 18446744073709551615}]"#), &triangle(1.0)),
+    );
     add("accessor.glb", glb(&document("").replace(r#""POSITION": 0"#, r#""POSITION": 4294967295"#), &triangle(1.0)));
     add("latin.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl \xe9\nf 1 2 3\n".to_vec());
     add("solid.stl", b"solid a\nendsolid a\n".to_vec());

@@ -185,7 +185,10 @@ fn injectors_and_occluders_stand_beside_a_mesh() {
     let preset = Preset::parse(text, Path::new("p.ron")).unwrap();
     assert_eq!(Preset::parse(&preset.to_ron(), Path::new("p.ron")).unwrap(), preset);
     let problem = Problem::build(&preset, folder.path()).unwrap();
-    assert_eq!((problem.sources.len(), problem.occlusion), (2, Occlusion { mode: OcclusionMode::Hard, ..Occlusion::default() }));
+    assert_eq!(
+        (problem.sources.len(), problem.occlusion),
+        (2, Occlusion { mode: OcclusionMode::Hard, ..Occlusion::default() })
+    );
     assert_eq!(problem.solids.len(), 8 * 8 * 8 - 6 * 6 * 6 + 1 - 4);
 }
 
@@ -202,7 +205,11 @@ fn what_a_scene_cannot_be_is_told_with_its_place() {
         (r#"mesh: "a.obj", lights: [(kind: Point(position: (0, 0, 0)), irradiance: (1, 1, 1))]"#, "", "only the sun"),
         (r#"mesh: "a.obj", lights: [(kind: Sun(direction: (0, 0, 0)), irradiance: (1, 1, 1))]"#, "", "length zero"),
         (r#"mesh: "a.obj", lights: [(kind: Sun(direction: (0, 1, 0)), irradiance: (1, -1, 1))]"#, "", "negative"),
-        (r#"mesh: "a.obj", lights: [(kind: Spot(position: (0, 0, 0), direction: (1, 0, 0), angle: 90), intensity: (1, 1, 1))]"#, "", "half angle"),
+        (
+            r#"mesh: "a.obj", lights: [(kind: Spot(position: (0, 0, 0), direction: (1, 0, 0), angle: 90), intensity: (1, 1, 1))]"#,
+            "",
+            "half angle",
+        ),
         (r#"mesh: "a.obj", camera: (from: (0, 0, 0), to: (0, 0, 0))"#, "", "where it stands"),
         (r#"mesh: "a.obj", camera: (from: (0, 0, 0), to: (0, 1, 0))"#, "", "along the view"),
     ] {

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
+use super::console::{self, say};
+use super::numbers::{decimal, whole};
 use super::output::Folder;
 use super::{CliError, SceneArgs};
 use crate::report::table::{Table, Value};
@@ -34,10 +36,10 @@ pub struct CompareArgs {
     #[arg(long, default_value = "uniform", value_parser = PossibleValuesParser::new(Reference::ALL.map(Reference::name)))]
     reference: String,
     /// Propagation iterations, k
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", value_parser = whole, allow_negative_numbers = true)]
     iterations: Option<usize>,
     /// The propagation factor, p
-    #[arg(long, value_name = "P")]
+    #[arg(long, value_name = "P", value_parser = decimal, allow_negative_numbers = true)]
     factor: Option<f64>,
     /// The folder to write compare.csv to
     #[arg(long, value_name = "DIR")]
@@ -67,9 +69,9 @@ pub fn run(args: &CompareArgs) -> Result<(), CliError> {
         };
         let (document, problem) = scene_args.load()?;
         let gap = if i == 0 { "" } else { "\n" };
-        println!(
+        say!(
             "{gap}{}: {}³, p = {}, k = {}, against {}",
-            if document.title.is_empty() { scene_args.stem() } else { document.title },
+            scene_args.title(&document),
             problem.size,
             problem.propagation.factor,
             problem.propagation.iterations,
@@ -82,12 +84,11 @@ pub fn run(args: &CompareArgs) -> Result<(), CliError> {
             table.push(text_row(&finding));
             csv.push(csv_row(&scene_args.stem(), &problem, reference, &finding));
         }
-        print!("{}", table.to_text());
+        console::print(format_args!("{}", table.to_text()));
     }
     if let Some(folder) = folder {
-        let mut bytes = Vec::new();
-        csv.write_csv(&mut bytes).map_err(|e| CliError::Failed(format!("compare.csv: {e}")))?;
-        folder.write("compare.csv", bytes)?;
+        folder.write_table("compare.csv", &csv)?;
+        folder.finish();
     }
     Ok(())
 }

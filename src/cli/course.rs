@@ -6,11 +6,13 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::CliError;
+use super::console::say;
 use crate::scene::Problem;
 use crate::simulation::Simulation;
 use crate::study::ballistic;
 use crate::study::error::{self, ErrorRow};
 use crate::study::reference;
+use crate::system::{interrupt, memory};
 use crate::transport::ballistic::Ballistic;
 
 /// What a run was found to do.
@@ -19,6 +21,8 @@ pub struct Course {
     pub rows: Vec<ErrorRow>,
     /// Seconds that all actions took, measuring aside.
     pub seconds: f64,
+    /// Whether Ctrl-C ended it early.
+    pub interrupted: bool,
 }
 
 /// Computes what truly arrives in a scene, with a bar on a terminal.
@@ -26,32 +30,49 @@ pub fn truth(problem: &Problem) -> Result<Ballistic, CliError> {
     let bar = bar(1000, "{bar:40} {percent} % of the straight lines, {eta} left");
     let truth = Ballistic::new(problem, &|done| {
         bar.set_position((done * 1000.0) as u64);
-        true
+        !interrupt::asked()
     });
     bar.finish_and_clear();
-    truth.ok_or_else(|| CliError::Failed("the straight lines were given up".to_owned()))
+    truth.ok_or_else(|| CliError::Interrupted("interrupted before the run began: nothing is written".to_owned()))
+}
+
+/// Grids of the finest level that measuring takes for each channel, beside the light itself: the uniform volume, the
+/// merged light, and their difference.
+const MEASURING: u64 = 3;
+
+/// Refuses what could be run and not be measured, before the run.
+fn check_room(simulation: &Simulation<f32>) -> Result<(), CliError> {
+    let grid = 16 * (simulation.sizes().finest() as u64).pow(3);
+    let needed = MEASURING * grid * simulation.channels().count() as u64;
+    let Some(free) = memory::free().filter(|free| needed > *free) else { return Ok(()) };
+    let (needed, free) = (memory::in_words(needed), memory::in_words(free));
+    Err(CliError::Input(format!(
+        "measuring the light needs {needed} of memory beside it, and {free} are free; use a smaller size"
+    )))
 }
 
 /// Runs the scene, printing a line for every iteration. Errors are those of the octree against itself and
 /// against the uniform volume, and against `truth` where it is given.
-pub fn run(simulation: &mut Simulation<f32>, truth: Option<&Ballistic>) -> Course {
+pub fn run(simulation: &mut Simulation<f32>, truth: Option<&Ballistic>) -> Result<Course, CliError> {
+    check_room(simulation)?;
     let iterations = simulation.problem().propagation.iterations;
     let bar = bar(iterations as u64, "{bar:40} iteration {pos} of {len}, {eta} left");
-    println!("{}", LINE_HEAD);
+    say!("{}", LINE_HEAD);
     let (mut rows, mut aside) = (Vec::new(), 0.0);
     let started = Instant::now();
     simulation.run(|now| {
         let began = Instant::now();
         let errors = measure(now, truth);
-        bar.suspend(|| println!("{}", line(now, &errors[0])));
+        bar.suspend(|| say!("{}", line(now, &errors[0])));
         rows.extend(errors);
         bar.set_position(now.iteration() as u64);
         aside += began.elapsed().as_secs_f64();
-        true
+        !interrupt::asked()
     });
     bar.finish_and_clear();
     let seconds = started.elapsed().as_secs_f64() - aside;
-    Course { rows, seconds }
+    let interrupted = interrupt::asked() && simulation.iteration() < iterations;
+    Ok(Course { rows, seconds, interrupted })
 }
 
 /// Every metric of the present iteration, the thesis's over all levels first.

@@ -5,6 +5,8 @@ use std::io::IsTerminal;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::CliError;
+use super::console::{self, say};
+use super::numbers::decimal;
 use super::output::Folder;
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
@@ -14,7 +16,7 @@ use crate::study::pareto::{self, Row};
 
 /// A propagation factor from the command line.
 pub fn factor(text: &str) -> Result<f64, String> {
-    let factor = text.parse().ok().filter(|p: &f64| p.is_finite() && *p >= 0.0);
+    let factor = Some(decimal(text)?).filter(|p| p.is_finite() && *p >= 0.0);
     factor.ok_or_else(|| "a factor is a finite number, zero or more".to_owned())
 }
 
@@ -39,8 +41,8 @@ pub fn run(scenes: &[(String, Problem)], rounds: usize, folder: &Folder) -> Resu
     folder.write_table("pareto.csv", &table::pareto(&all))?;
     for kind in kinds(&rows) {
         let Kind { preset, size, reference } = kind;
-        println!("\nThe fastest way to each error, {preset}, n = {size}, against {reference}:");
-        print!("{}", table::pareto(&pareto::front(&of_kind(&rows, kind))).to_text());
+        say!("\nThe fastest way to each error, {preset}, n = {size}, against {reference}:");
+        console::print(format_args!("{}", table::pareto(&pareto::front(&of_kind(&rows, kind))).to_text()));
     }
     folder.write_svg_and_png("pareto", &figure(&rows).to_svg())
 }

@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::colour::Theme;
 use super::raster::{self, RasterError};
-use super::svg::{Anchor, PathData, Stroke, Svg, Type, text_width};
+use super::svg::{Anchor, PathData, Stroke, Svg, Type, fitted, text_width};
 
 /// How a curve is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -94,8 +94,9 @@ impl Figure {
         let mut svg = Svg::new(width, height, self.theme.ground, &self.title);
         let mut top = margin;
         if !self.title.is_empty() {
-            let title = set(1.4, self.theme.ink, Anchor::Start).fitting(&self.title, width - 2.0 * margin);
-            svg.text([margin, top + 1.1 * em], &self.title, title);
+            let (title, type_of_title) =
+                fitted(&self.title, set(1.4, self.theme.ink, Anchor::Start), width - 2.0 * margin);
+            svg.text([margin, top + 1.1 * em], &title, type_of_title);
             top += 2.2 * em;
         }
         let names = self.plots.iter().flat_map(|plot| &plot.curves).map(|curve| text_width(&curve.name, em));
@@ -152,9 +153,9 @@ impl Figure {
         let ([left, top], [width, height]) = (frame.corner, frame.size);
         let (right, bottom) = (left + width, top + height);
         let set = |size: f64, color, anchor| Type { size: size * em, color, anchor };
-        let title = set(1.1, theme.ink, Anchor::Start).fitting(&plot.title, width);
+        let (title, type_of_title) = fitted(&plot.title, set(1.1, theme.ink, Anchor::Start), width);
         let above = if plot.marks.is_empty() { 0.7 * em } else { 1.9 * em };
-        svg.text([left, top - above], &plot.title, title);
+        svg.text([left, top - above], &title, type_of_title);
         let (thin, thick) = ((0.06 * em).max(0.5), (0.09 * em).max(0.75));
         for tick in frame.axes[1].ticks((height / (2.6 * em)) as usize) {
             let y = bottom - height * frame.axes[1].share(tick.value);

@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 
 use super::error::{Fault, Step};
 use super::file;
-use super::injector::{is_yes, unit, yes};
+use super::injector::{is_yes, yes};
+use super::value::unit;
 
 /// The most lights of a scene.
 pub const MOST_LIGHTS: usize = 64;

@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use super::error::{Fault, SceneError};
 use super::file;
-use super::injector::{is_one, is_yes, unit, yes};
+use super::injector::{is_one, is_yes, yes};
 use super::occluder_file;
-use super::propagation::not_negative;
 use super::region::Region;
+use super::value::{check_share, not_negative, unit};
 use crate::field::Cell;
 
 /// A set of occupied cells.
@@ -222,14 +222,6 @@ fn check_plane(at: usize, size: usize) -> Result<(), Fault> {
         return Ok(());
     }
     Err(Fault::new(format!("the plane at {at} lies outside the volume"), format!("write 0 to {}", size - 1)))
-}
-
-/// Checks that a share is from 0 to 1; `what` names it.
-pub(super) fn check_share(share: f64, what: &str) -> Result<(), Fault> {
-    if (0.0..=1.0).contains(&share) {
-        return Ok(());
-    }
-    Err(Fault::new(format!("{what} is {share}"), "write a number from 0 to 1"))
 }
 
 fn opaque() -> f64 {

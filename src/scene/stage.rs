@@ -4,7 +4,6 @@
 //! as what it was made from is the same: a light that moves makes its own map again and nothing else, a mesh that has
 //! not changed is neither read nor clipped again, and scenes of one mesh share it.
 
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -14,14 +13,15 @@ use glam::DVec3;
 
 use super::MOST_CELLS;
 use super::emitter::{self, Emitter, Injected};
-use super::error::{Fault, Place, SceneError};
+use super::error::{Fault, SceneError};
 use super::file;
 use super::mesh_scene::{Camera, Light, LightKind, MeshScene};
 use super::placement::Placement;
 use super::shadow_map::ShadowMap;
 use super::voxels::Voxels;
 use crate::mesh::read::{self, Files, Lamp, LampKind, Unread};
-use crate::mesh::{Bvh, Mesh, MeshError};
+use crate::mesh::{Bvh, Mesh};
+use crate::system::file::{self as files, FileError};
 
 /// The most texels that the shadow maps of a scene may have together.
 pub const MOST_TEXELS: usize = 1 << 23;
@@ -155,15 +155,7 @@ impl Files for InFolder<'_> {
         if !found.try_exists().unwrap_or(true) {
             return Err(Unread::Missing);
         }
-        let told = |error: SceneError| match error {
-            SceneError::File { what, remedy, .. } => refused(what, remedy),
-            SceneError::Document(fault) => refused(fault.what, fault.remedy),
-        };
-        let (file, length) = file::open(&found, limit).map_err(told)?;
-        let mut bytes = Vec::with_capacity(length as usize);
-        let read = file.take(limit).read_to_end(&mut bytes);
-        read.map_err(|error| refused(error.to_string(), "check the file and its disk".to_owned()))?;
-        Ok(bytes)
+        files::read_bytes(&found, limit).map_err(|error| refused(error.what, error.remedy))
     }
 }
 
@@ -250,8 +242,7 @@ fn keep<K, V>(kept: &mut Vec<(K, Arc<V>)>, key: K, value: &Arc<V>, most: usize) 
     kept.push((key, Arc::clone(value)));
 }
 
-/// A mesh's fault as a scene's.
-fn told(fault: MeshError, folder: &Path) -> SceneError {
-    let place = fault.line.map(|line| Place { line, column: None });
-    SceneError::file(&folder.join(&fault.file), place, fault.what, fault.remedy)
+/// A mesh's fault as a scene's: with the file's whole path.
+fn told(fault: FileError, folder: &Path) -> SceneError {
+    FileError { file: folder.join(&fault.file), ..fault }.into()
 }

@@ -1,0 +1,9 @@
+//! Light on a graphics card, with the bits of the processor's loops.
+
+pub mod device;
+pub mod layout;
+pub mod text;
+pub mod volume;
+
+#[cfg(test)]
+mod tests;
