@@ -6,7 +6,7 @@ use lpv_lab::scene::Propagation;
 use lpv_lab::scene::{Occlusion, Problem, Source};
 use lpv_lab::sh::Sh;
 use lpv_lab::simulation::Simulation;
-use lpv_lab::study::error;
+use lpv_lab::study::expectation::{Expectation, References};
 
 #[test]
 fn one_lobe_gives_the_errors_of_figure_15() {
@@ -16,16 +16,16 @@ fn one_lobe_gives_the_errors_of_figure_15() {
     let problem = Problem {
         size: 32,
         coarsest: 2,
-        sources: vec![Source { color: [1.0; 3], light: vec![([16, 16, 16], Sh::lobe(DVec3::X))], ..Source::default() }],
+        sources: vec![Source { color: [1.0; 3], light: vec![([16, 16, 16], Sh::lobe(DVec3::X))], ..Source::default(), ..Source::default() }],
         solids: Vec::new(),
         occlusion: Occlusion::default(),
         propagation: Propagation { iterations: 32, ..Propagation::default() },
-        ..Problem::default()
-    };
+        ..Problem::default(), ..Problem::default() };
     let mut rows = Vec::new();
     let mut simulation = Simulation::<f32>::new(problem).unwrap();
     simulation.run(|s| {
-        rows.push(error::thesis(s)[0]);
+        let references = References::default();
+        rows.push(Expectation::Thesis.rows(s, &references)[0]);
         true
     });
     for (k, ought, digit) in relative {

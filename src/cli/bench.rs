@@ -231,7 +231,7 @@ fn figure(rows: &[KernelRow]) -> Figure {
             y_label: "ns per cell and iteration".to_owned(),
             log_y: true,
             curves: curves.collect(),
-            marks: Vec::new(),
+            ..Plot::default()
         }
     });
     Figure {

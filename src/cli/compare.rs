@@ -3,15 +3,16 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use clap::builder::PossibleValuesParser;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::console::{self, say};
 use super::numbers::{decimal, whole};
 use super::output::Folder;
-use super::{CliError, SceneArgs};
+use super::{CliError, SceneArgs, course};
 use crate::report::table::{Table, Value};
 use crate::scene::Problem;
-use crate::study::compare::{self, Finding, PATIENCE, Reference};
+use crate::study::compare::{self, Finding, PATIENCE};
+use crate::study::expectation::Expectation;
 use crate::transport::known_scheme;
 use crate::transport::lattice::schemes;
 use crate::transport::ordinates;
@@ -33,8 +34,8 @@ pub struct CompareArgs {
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     schemes: Vec<String>,
     /// What errors are measured against
-    #[arg(long, default_value = "uniform", value_parser = PossibleValuesParser::new(Reference::ALL.map(Reference::name)))]
-    reference: String,
+    #[arg(long, default_value = Expectation::Merged.reference(), value_parser = reference())]
+    reference: Expectation,
     /// Propagation iterations, k
     #[arg(long, value_name = "K", value_parser = whole, allow_negative_numbers = true)]
     iterations: Option<usize>,
@@ -44,6 +45,13 @@ pub struct CompareArgs {
     /// The folder to write compare.csv to
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+}
+
+/// What merged light can be held against, by the name of what is expected.
+fn reference() -> impl TypedValueParser<Value = Expectation> {
+    let known = |name: &str| Expectation::of_merged_light().find(|one| one.reference() == name);
+    PossibleValuesParser::new(Expectation::of_merged_light().map(Expectation::reference))
+        .map(move |name| known(&name).unwrap_or(Expectation::Merged))
 }
 
 /// Does the command.
@@ -57,7 +65,7 @@ pub fn run(args: &CompareArgs) -> Result<(), CliError> {
             known_scheme(name)?;
         }
     }
-    let reference = Reference::ALL.into_iter().find(|r| r.name() == args.reference).unwrap_or_default();
+    let expectation = args.reference;
     let folder = args.out.clone().map(Folder::create).transpose()?;
     let mut csv = Table::new(CSV_COLUMNS);
     for (i, preset) in args.presets.iter().enumerate() {
@@ -75,14 +83,14 @@ pub fn run(args: &CompareArgs) -> Result<(), CliError> {
             problem.size,
             problem.propagation.factor,
             problem.propagation.iterations,
-            reference.name()
+            expectation.reference()
         );
-        let truth = reference.of(&problem);
+        let references = course::references(&problem, &[expectation])?;
         let mut table = Table::new(TEXT_COLUMNS);
         for name in &names {
-            let finding = compare::run(&problem, name, &truth)?;
+            let Some(finding) = compare::run(&problem, name, expectation, &references)? else { continue };
             table.push(text_row(&finding));
-            csv.push(csv_row(&scene_args.stem(), &problem, reference, &finding));
+            csv.push(csv_row(&scene_args.stem(), &problem, expectation, &finding));
         }
         console::print(format_args!("{}", table.to_text()));
     }
@@ -152,7 +160,7 @@ const CSV_COLUMNS: [&str; 23] = [
     "ms_per_iteration",
 ];
 
-fn csv_row(preset: &str, problem: &Problem, reference: Reference, finding: &Finding) -> [Value; 23] {
+fn csv_row(preset: &str, problem: &Problem, expectation: Expectation, finding: &Finding) -> [Value; 23] {
     let [x, y, z] = finding.centroid;
     let error = finding.error;
     let empty = || Value::Text(String::new());
@@ -162,7 +170,7 @@ fn csv_row(preset: &str, problem: &Problem, reference: Reference, finding: &Find
         problem.size.into(),
         problem.propagation.factor.into(),
         problem.propagation.iterations.into(),
-        reference.name().into(),
+        expectation.reference().into(),
         error.absolute_mean.into(),
         error.absolute_max.into(),
         error.relative_mean.into(),

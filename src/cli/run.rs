@@ -11,14 +11,15 @@ use super::course::{self, Course};
 use super::output::{self, Folder};
 use super::{CliError, SceneArgs};
 use crate::report::colour::{Paint, Theme};
-use crate::report::error_plot::ErrorPlot;
+use crate::report::error_figure::{ErrorFigure, Measure, Series};
 use crate::report::glyph::Hue;
 use crate::report::picture::{Panel, Picture};
 use crate::report::slice::{Axis, Plane, Slice};
 use crate::report::table;
 use crate::simulation::options::{Options, Skip};
 use crate::simulation::{Light, Simulation};
-use crate::study::error::{ErrorRow, Metric};
+use crate::study::error::ErrorRow;
+use crate::study::expectation::Expectation;
 use crate::study::stability::outlook;
 use crate::system::interrupt;
 
@@ -193,15 +194,19 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     LevelArg::Level(args.level).check(simulation.sizes().count())?;
     let folder = Folder::of_preset(args.out.as_deref(), &args.scene.preset)?;
     interrupt::listen();
-    let truth = if args.ballistic { Some(course::truth(simulation.problem())?) } else { None };
-    let Course { rows, seconds, interrupted } = course::run(&mut simulation, truth.as_ref())?;
+    let wanted: &[Expectation] = if args.ballistic { &[Expectation::Ballistic] } else { &[] };
+    let references = course::references(simulation.problem(), wanted)?;
+    let Course { rows, seconds, interrupted } = course::run(&mut simulation, &references)?;
 
     let title = if preset.title.is_empty() { args.scene.stem() } else { preset.title.clone() };
     folder.write_table("errors.csv", &table::errors(&rows))?;
     let all_levels: Vec<ErrorRow> = rows.iter().filter(|row| row.level.is_none()).copied().collect();
-    let plot = ErrorPlot {
+    let plot = ErrorFigure {
         title: &format!("{title}: error after each iteration"),
-        rows: &all_levels,
+        series: &Series::of_run(&all_levels),
+        measures: &[Measure::Absolute, Measure::Relative],
+        means: true,
+        largest: true,
         log: args.axis == ScaleArg::Log,
         current: None,
         theme: args.theme.theme(),
@@ -215,7 +220,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     }
 
     let propagation = &simulation.problem().propagation;
-    let thesis = all_levels.iter().rev().find(|row| row.metric == Metric::Thesis);
+    let thesis = all_levels.iter().rev().find(|row| row.expectation == Expectation::Thesis);
     let summary = Summary {
         title: &title,
         size: simulation.sizes().finest(),

@@ -267,7 +267,7 @@ fn drift_figure(args: &StabilityArgs, drifts: &[Drift]) -> Figure {
         y_label: "relative difference".to_owned(),
         log_y: true,
         curves: curves.collect(),
-        marks: Vec::new(),
+        ..Plot::default()
     };
     Figure {
         title: "Single precision against double".to_owned(),

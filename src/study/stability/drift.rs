@@ -116,8 +116,7 @@ impl LongRun<'_> {
                 iterations: self.iterations,
                 ..Propagation::default()
             },
-            ..Problem::default()
-        }
+            ..Problem::default(), ..Problem::default() }
     }
 }
 

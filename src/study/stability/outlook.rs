@@ -146,8 +146,7 @@ mod tests {
             solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation { factor, ..Propagation::default() },
-            ..Problem::default()
-        }
+            ..Problem::default(), ..Problem::default() }
     }
 
     #[test]
