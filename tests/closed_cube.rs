@@ -23,7 +23,8 @@ fn leaves(light: Sh<f64>, d: DVec3) -> f64 {
 #[test]
 fn what_arrives_at_the_walls_is_what_was_injected() {
     let folder = tempfile::tempdir().unwrap();
-    let corners = (0..8).map(|i| format!("v {} {} {}\n", 4 * (i & 1), 4 * (i >> 1 & 1), 4 * (i >> 2))).collect::<String>();
+    let corners =
+        (0..8).map(|i| format!("v {} {} {}\n", 4 * (i & 1), 4 * (i >> 1 & 1), 4 * (i >> 2))).collect::<String>();
     let walls = "f 1 2 4 3\nf 5 6 8 7\nf 1 2 6 5\nf 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n";
     std::fs::write(folder.path().join("a.obj"), format!("mtllib a.mtl\n{corners}usemtl a\n{walls}")).unwrap();
     std::fs::write(folder.path().join("a.mtl"), "newmtl a\nKd 0.5 0.5 0.5\n").unwrap();

@@ -23,7 +23,8 @@ fn lobe(iterations: usize) -> Problem {
         solids: Vec::new(),
         occlusion: Occlusion::default(),
         propagation: Propagation { iterations, factor: 3.0, ..Propagation::default() },
-        ..Problem::default(), ..Problem::default() }
+        ..Problem::default()
+    }
 }
 
 /// A light before a closed wall.
@@ -32,7 +33,7 @@ fn walled(mode: OcclusionMode) -> Problem {
     let block = |cell| Solid::new(cell, DVec3::NEG_X, 1.0, [0.0; 3]);
     Problem {
         size: 8,
-        sources: vec![Source { color: [1.0; 3], light: vec![([1, 3, 3], Sh::lobe(DVec3::X))], ..Source::default(), ..Source::default() }],
+        sources: vec![Source { color: [1.0; 3], light: vec![([1, 3, 3], Sh::lobe(DVec3::X))], ..Source::default() }],
         solids: wall.map(block).collect(),
         occlusion: Occlusion { mode, ..Occlusion::default() },
         ..lobe(12)

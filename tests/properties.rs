@@ -25,7 +25,8 @@ fn problem(light: Vec<(Cell, Sh<f64>)>, propagation: Propagation) -> Problem {
         solids: Vec::new(),
         occlusion: Occlusion::default(),
         propagation,
-        ..Problem::default(), ..Problem::default() }
+        ..Problem::default()
+    }
 }
 
 fn run(light: Vec<(Cell, Sh<f64>)>, propagation: Propagation) -> Simulation<f64> {

@@ -34,7 +34,8 @@ fn problem(scheme: &Scheme, light: Light, iterations: usize) -> Problem {
         solids: Vec::new(),
         occlusion: Occlusion::default(),
         propagation: Propagation { scheme: scheme.name.to_owned(), factor: 3.0, iterations, ..Propagation::default() },
-        ..Problem::default(), ..Problem::default() }
+        ..Problem::default()
+    }
 }
 
 fn run(problem: Problem) -> Simulation<f64> {

@@ -6,4 +6,5 @@ pub mod grids;
 pub mod ink;
 pub mod space;
 pub mod sprites;
+pub mod stage;
 pub mod style;

@@ -208,7 +208,8 @@ mod tests {
             solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation { factor, iterations: 10_000, snapshots, ..Propagation::default() },
-            ..Problem::default(), ..Problem::default() };
+            ..Problem::default()
+        };
         Simulation::new(problem).unwrap()
     }
 

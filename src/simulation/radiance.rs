@@ -201,7 +201,8 @@ mod tests {
                 ordinates,
                 ..Propagation::default()
             },
-            ..Problem::default(), ..Problem::default() }
+            ..Problem::default()
+        }
     }
 
     fn run<T: Real>(problem: &Problem) -> Simulation<T> {

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use egui::Context;
 
 pub use aside::Aside;
+pub use errand::Watch;
 
 use super::Session;
 use super::plots::Tab;

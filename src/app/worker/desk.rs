@@ -11,6 +11,7 @@ use crate::app::worker::look::{Look, Pin};
 use crate::app::worker::track::{self, Track};
 use crate::app::worker::{Load, News, Order, Progress, Start};
 use crate::scene::Problem;
+use crate::scene::stage::Cache;
 use crate::simulation::{Action, Change};
 use crate::study::expectation::{Expectation, References};
 use crate::transport::ballistic::Ballistic;
@@ -48,6 +49,8 @@ pub struct Desk {
     /// The metric that is seen.
     metric: Option<Expectation>,
     measured: Ledger,
+    /// What scenes with a mesh were made from: a light that moves makes nothing anew but its own map.
+    cache: Cache,
 }
 
 impl Desk {
@@ -75,6 +78,7 @@ impl Desk {
             references: References::default(),
             metric: None,
             measured: Ledger::default(),
+            cache: Cache::default(),
         }
     }
 
@@ -267,7 +271,8 @@ impl Desk {
     }
 
     fn tracks_of(&self, load: &Load) -> Result<Vec<Track>, String> {
-        let problem = Problem::build(&load.preset, &load.folder).map_err(|error| error.to_string())?;
+        let problem = Problem::build_with(&load.preset, &load.folder, &self.cache, &mut |_| {})
+            .map_err(|error| error.to_string())?;
         let others = load.others.iter().filter_map(|rival| rival.problem(&problem));
         let problems: Vec<Problem> = std::iter::once(problem.clone()).chain(others).collect();
         let budget = self.budget / problems.len();

@@ -101,11 +101,12 @@ mod tests {
         Places::of(&Problem {
             size: 4,
             coarsest: 1,
-            sources: vec![Source { color: [1.0; 3], light: vec![([0; 3], Sh::lobe(DVec3::X))], ..Source::default(), ..Source::default() }],
+            sources: vec![Source { color: [1.0; 3], light: vec![([0; 3], Sh::lobe(DVec3::X))], ..Source::default() }],
             solids: wall.map(block).collect(),
             occlusion: Occlusion::default(),
             propagation: Propagation::default(),
-            ..Problem::default(), ..Problem::default() })
+            ..Problem::default()
+        })
     }
 
     fn light(cells: &[(Cell, f64)]) -> Vec<f64> {

@@ -24,7 +24,8 @@ pub(super) fn anisotropy(propagation: &Propagation) -> Result<f64, Refusal> {
         solids: Vec::new(),
         occlusion: Occlusion::default(),
         propagation: Propagation { iterations: ITERATIONS, ..propagation.clone() },
-        ..Problem::default(), ..Problem::default() };
+        ..Problem::default()
+    };
     let mut simulation = Simulation::<f32>::new(problem)?;
     simulation.run(|_| true);
     let light = |cell| f64::from(simulation.lights()[0].accumulated.level(0).get(cell).0[0]);

@@ -185,14 +185,17 @@ mod tests {
     use crate::simulation::Action;
 
     fn run(coarsest: usize) -> Simulation<f32> {
-        let source = Source { color: [1.0, 0.5, 0.0], light: vec![([3, 1, 2], Sh::lobe(DVec3::X))], ..Source::default() };
+        let source =
+            Source { color: [1.0, 0.5, 0.0], light: vec![([3, 1, 2], Sh::lobe(DVec3::X))], ..Source::default() };
         let problem = Problem {
             size: 8,
             coarsest,
             sources: vec![source],
             solids: Vec::new(),
             occlusion: Occlusion::default(),
-            propagation: Propagation { iterations: 3, ..Propagation::default() }, ..Problem::default() };
+            propagation: Propagation { iterations: 3, ..Propagation::default() },
+            ..Problem::default()
+        };
         let mut simulation = Simulation::new(problem).unwrap();
         simulation.run(|_| true);
         simulation

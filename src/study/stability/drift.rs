@@ -116,7 +116,8 @@ impl LongRun<'_> {
                 iterations: self.iterations,
                 ..Propagation::default()
             },
-            ..Problem::default(), ..Problem::default() }
+            ..Problem::default()
+        }
     }
 }
 

@@ -146,7 +146,8 @@ mod tests {
             solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation { factor, ..Propagation::default() },
-            ..Problem::default(), ..Problem::default() }
+            ..Problem::default()
+        }
     }
 
     #[test]

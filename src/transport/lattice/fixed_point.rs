@@ -250,7 +250,8 @@ mod tests {
             solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation { scheme: scheme.to_owned(), factor, clamp, ..Propagation::default() },
-            ..Problem::default(), ..Problem::default() }
+            ..Problem::default()
+        }
     }
 
     #[test]
