@@ -107,7 +107,7 @@ fn hostile() -> Vec<(String, Vec<u8>)> {
 
 /// Whether the system lets a shell bound the memory of a program.
 fn bounded(folder: &Path, preset: &Path) -> std::process::Output {
-    let program = assert_cmd::cargo::cargo_bin!("lpv-lab");
+    let program = assert_cmd::cargo::cargo_bin("lpv-lab");
     let script = format!("ulimit -v 1048576; exec {} scene {}", program.display(), preset.display());
     Command::new("sh").current_dir(folder).args(["-c", &script]).output().unwrap()
 }

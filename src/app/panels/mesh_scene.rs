@@ -81,8 +81,9 @@ fn lights(ui: &mut Ui, scene: &mut MeshScene, stage: Option<&Stage>) {
     let mut gone = None;
     for (i, light) in scene.lights.iter_mut().enumerate() {
         ui.push_id(("light", i), |ui| {
+            let kind = kind_name(light);
             ui.horizontal(|ui| {
-                let box_ = ui.checkbox(&mut light.enabled, kind_name(light)).on_hover_text("Whether it shines");
+                let box_ = ui.checkbox(&mut light.enabled, kind).on_hover_text("Whether it shines");
                 name(&box_, &format!("Light {}", i + 1));
                 if small_button(ui, "✖", &format!("Delete light {}", i + 1)).clicked() {
                     gone = Some(i);

@@ -16,7 +16,7 @@ use crate::app::draw::stage::{Shown, picture};
 use crate::app::draw::style::theme;
 use crate::app::panels::mesh_scene;
 use crate::app::session::Session;
-use crate::app::session::asides::Aside;
+use crate::app::session::asides::{Aside, Watch};
 use crate::app::session::ask::{Ask, Asks};
 use crate::report::shadow_map::{self, Aspect};
 use crate::scene::Stage;
@@ -90,13 +90,13 @@ impl Panels for Scene {
         }
         let (key, cache) = (wanted.clone(), Arc::clone(&self.cache));
         let work = |_: Option<(&Wanted, &Arc<Stage>)>| {
-            move |watch: &_| {
+            move |watch: &Watch| {
                 let (scene, size, folder) = wanted;
-                let progress = &mut |share| {
-                    let watch: &crate::app::session::asides::Watch = watch;
+                let mut progress = |share: f64| {
                     watch.go_on(share);
                 };
-                Stage::new(&scene, size, &folder, &cache, progress).map(Arc::new).map_err(|error| error.to_string())
+                let stage = Stage::new(&scene, size, &folder, &cache, &mut progress);
+                stage.map(Arc::new).map_err(|error| error.to_string())
             }
         };
         if let Err(line) = self.stage.want(&key, ctx, work) {
