@@ -8,12 +8,14 @@
 pub mod builtin;
 pub mod cell_file;
 pub mod doubts;
+pub mod dump_file;
 pub mod emitter;
 pub mod error;
 pub mod file;
 pub mod injector;
 pub mod mesh_scene;
 pub mod occluder;
+pub mod path;
 pub mod placement;
 pub mod preset;
 pub mod propagation;
@@ -134,6 +136,11 @@ impl Problem {
             occlusion: preset.occlusion,
             propagation: preset.propagation.clone(),
         })
+    }
+
+    /// How often a whole run propagates ([`Propagation::actions`]).
+    pub fn actions(&self) -> usize {
+        self.propagation.actions(self.size, self.coarsest)
     }
 
     /// The slab of cells across an axis (0 for x) into which most light is injected; among equals the one

@@ -37,6 +37,8 @@ pub const PRESETS: &[(&str, &str)] = presets![
     "cube-room",
     "room-with-windows",
     "atrium",
+    "descent",
+    "moving-lobe",
 ];
 
 /// Files beside the presets that some of them read, by their path from the presets' folder.

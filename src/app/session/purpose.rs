@@ -16,6 +16,8 @@ pub enum Purpose {
     Occluder(usize),
     /// The mesh of the scene.
     Mesh,
+    /// A dump of a port.
+    Dump,
     /// Save what an export command says.
     Export(Command),
 }
@@ -29,6 +31,7 @@ impl Purpose {
             Purpose::Injector(_) => "A file of light: CSV or .npy, beside the preset",
             Purpose::Occluder(_) => "A file of occupied cells: CSV, beside the preset",
             Purpose::Mesh => "A mesh: .obj, .gltf or .glb, beside the preset",
+            Purpose::Dump => "A dump of a port's grid: .npy of shape (n, n, n, 4), or CSV",
             Purpose::Export(command) => command.explanation(),
         }
     }
@@ -37,14 +40,14 @@ impl Purpose {
     pub fn verb(self) -> &'static str {
         match self {
             Purpose::Open => "Open",
-            Purpose::Injector(_) | Purpose::Occluder(_) | Purpose::Mesh => "Use",
+            Purpose::Injector(_) | Purpose::Occluder(_) | Purpose::Mesh | Purpose::Dump => "Use",
             Purpose::SaveAs | Purpose::Export(_) => "Save to file",
         }
     }
 
     /// Whether a picture is made, which has a size and colours.
     pub fn is_picture(self) -> bool {
-        matches!(self, Purpose::Export(Command::ExportSvg | Command::ExportPng | Command::ExportGrids))
+        matches!(self, Purpose::Export(command) if command != Command::ExportCsv)
     }
 
     /// Whether the file is written.
@@ -58,9 +61,10 @@ impl Purpose {
             Purpose::Open | Purpose::SaveAs => &["ron"],
             Purpose::Injector(_) => &["csv", "npy"],
             Purpose::Mesh => &FORMATS,
+            Purpose::Dump => &["npy", "csv"],
             Purpose::Occluder(_) | Purpose::Export(Command::ExportCsv) => &["csv"],
             Purpose::Export(Command::ExportSvg) => &["svg"],
-            Purpose::Export(Command::ExportPng) => &["png"],
+            Purpose::Export(Command::ExportPng | Command::ExportFilm | Command::ExportFrames) => &["png"],
             Purpose::Export(_) => &["svg", "png"],
         }
     }
