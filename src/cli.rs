@@ -5,12 +5,14 @@ mod cells;
 mod compare;
 pub mod console;
 mod course;
+mod identify;
 mod load;
 mod motion;
 mod numbers;
 mod octree;
 pub mod output;
 mod pareto;
+mod pattern;
 mod presets;
 mod race;
 mod run;
@@ -76,6 +78,10 @@ pub enum Command {
     Presets(presets::PresetsArgs),
     /// Gains and critical factors of every scheme and size; single precision against double in long runs
     Stability(stability::StabilityArgs),
+    /// Write a test pattern to inject into a port of light propagation volumes
+    Pattern(pattern::PatternArgs),
+    /// Tell from dumps of its grid whether a port of light propagation volumes is right
+    Identify(identify::IdentifyArgs),
     /// Print completions for a shell
     #[command(after_help = "Example:\n  lpv-lab completions bash > ~/.local/share/bash-completion/completions/lpv-lab")]
     Completions {
@@ -193,6 +199,8 @@ pub fn execute(command: Command) -> Result<(), CliError> {
         Command::Schemes(args) => schemes::run(&args),
         Command::Presets(args) => presets::run(&args),
         Command::Stability(args) => team::inside(|| stability::run(&args)),
+        Command::Pattern(args) => pattern::run(&args),
+        Command::Identify(args) => team::inside(|| identify::run(&args)),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "lpv-lab", &mut script);

@@ -8,6 +8,7 @@
 pub mod builtin;
 pub mod cell_file;
 pub mod doubts;
+pub mod dump_file;
 pub mod error;
 pub mod file;
 pub mod injector;

@@ -8,7 +8,7 @@ use super::console::{remark, say};
 use super::output::Folder;
 use super::{CliError, SceneArgs};
 use crate::field::{Cell, Channels, Grid};
-use crate::report::animation;
+use crate::report::apng;
 use crate::report::colour::{Paint, Theme};
 use crate::report::glyph::Hue;
 use crate::report::picture::{Panel, Picture};
@@ -133,9 +133,8 @@ pub fn run(args: &MotionArgs) -> Result<(), CliError> {
     folder.write_table("motion.csv", &table(&frames))?;
     folder.write_table("pinned.csv", &pinned(&frames, &setting))?;
     folder.write_svg_and_png("motion", &figure(&frames, &setting).to_svg())?;
-    if let Some(animation) = animation::of_pngs(&pictures, args.rate) {
-        folder.write("animation.png", animation)?;
-    }
+    let animation = apng::join(&pictures, (1000.0 / args.rate).round().clamp(1.0, 65_535.0) as u16);
+    folder.write("animation.png", animation.map_err(|error| CliError::Failed(error.to_string()))?)?;
     let error = frames.iter().map(|frame| frame.error).sum::<f64>() / frames.len().max(1) as f64;
     say!(
         "{} frames: mean flicker {:.4}, mean L1 error {error:.4}; results in {}",

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use super::fit::l1;
 use super::light::channel_scales;
-use super::pareto;
+use super::reference;
 use crate::field::Grid;
 use crate::scene::Problem;
 use crate::scene::propagation::descent::Descent;
@@ -104,7 +104,8 @@ pub fn measure(
     rounds: usize,
     progress: &dyn Fn(f64) -> bool,
 ) -> Result<Option<Vec<Row>>, Refusal> {
-    let converged = pareto::fixed_point(&Way::Uniform.with(problem, pareto::FOR_EVER))?;
+    // Light that grows for ever converges to nothing that it could be held against.
+    let Some(converged) = reference::fixed_point(&Way::Uniform.with(problem, 0))? else { return Ok(Some(Vec::new())) };
     let mut rows = Vec::new();
     let total = (ways.len() * iterations.len()) as f64;
     for &k in iterations {
@@ -171,7 +172,7 @@ fn run(way: Way, problem: &Problem, k: usize) -> Result<Outcome, Refusal> {
 
 fn solve(problem: &Problem, tolerance: f64) -> Result<Outcome, NoFixedPoint> {
     let problem = Way::Uniform.with(problem, 0);
-    let injected = super::reference::injected::<f32>(&problem)?;
+    let injected = reference::injected::<f32>(&problem)?;
     let mut solver = Solver::for_problem(&problem)?;
     let mut light: Vec<Grid<f32>> = injected.lights().iter().map(|_| Grid::new(problem.size)).collect();
     let mut sweeps = 0;

@@ -119,6 +119,15 @@ impl Session {
         Line { along, through }
     }
 
+    /// Where the line begins and ends, in finest cells.
+    pub fn line_ends(&self) -> [[f32; 3]; 2] {
+        let line = self.line();
+        let mut ends = [line.through.map(|c| c as f32 + 0.5); 2];
+        ends[0][line.along] = 0.0;
+        ends[1][line.along] = self.run.progress.side as f32;
+        ends
+    }
+
     /// The light along it, once it is computed.
     pub fn course(&self) -> Option<Course> {
         let (_, policies) = self.asides.profiles.latest()?;

@@ -1,11 +1,11 @@
 //! The light of one state beside what it ought to be: cell by cell, as rows, and after the best scalar.
 
+use super::error::{CellError, ErrorRow, Tally};
 use super::{Expectation, References};
 use crate::field::{Cell, Grid, Layout, downsample_into, mean_of_children};
 use crate::scene::propagation::descent::Descent;
 use crate::sh::{Real, Sh};
 use crate::simulation::Simulation;
-use crate::study::error::{CellError, ErrorRow, Tally};
 use crate::study::fit::{BestFit, l1};
 use crate::study::{light, reference};
 use crate::transport::ballistic::Ballistic;
