@@ -78,7 +78,7 @@ pub enum Workspace {
 
 impl Workspace {
     /// Those that there is something in.
-    pub const FILLED: &[Workspace] = &[Workspace::Light];
+    pub const FILLED: &[Workspace] = &[Workspace::Light, Workspace::Study];
 }
 
 /// The middle of the window.
