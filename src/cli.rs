@@ -7,7 +7,9 @@ pub mod console;
 mod course;
 mod identify;
 mod load;
+mod motion;
 mod numbers;
+mod octree;
 pub mod output;
 mod pareto;
 mod pattern;
@@ -66,6 +68,10 @@ pub enum Command {
     Compare(compare::CompareArgs),
     /// Measure how fast the loops are
     Bench(BenchArgs),
+    /// Measure what an octree can do: error against all the light there will ever be, and the cells it takes
+    Octree(octree::OctreeArgs),
+    /// Run moving light frame by frame: flicker, light at pinned cells, pictures and an animation
+    Motion(motion::MotionArgs),
     /// List the propagation schemes with their gains and critical factors
     Schemes(schemes::SchemesArgs),
     /// List the built-in presets, or write them to a folder
@@ -188,6 +194,8 @@ pub fn execute(command: Command) -> Result<(), CliError> {
         Command::Cells(args) => team::inside(|| cells::run(&args)),
         Command::Compare(args) => team::inside(|| compare::run(&args)),
         Command::Bench(args) => bench::run(&args),
+        Command::Octree(args) => team::inside(|| octree::run(&args)),
+        Command::Motion(args) => team::inside(|| motion::run(&args)),
         Command::Schemes(args) => schemes::run(&args),
         Command::Presets(args) => presets::run(&args),
         Command::Stability(args) => team::inside(|| stability::run(&args)),

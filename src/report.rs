@@ -3,12 +3,12 @@
 //! Everything here is pure: values in, outlines, text or bytes out. The window draws the same
 //! [`mod@slice`], [`glyph`] and [`colour`] with its own meshes.
 
+pub mod apng;
 mod axis;
 pub mod colour;
 pub mod error_figure;
 pub mod fonts;
 pub mod glyph;
-mod legend;
 pub mod number;
 pub mod pareto_figure;
 pub mod picture;

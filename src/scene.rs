@@ -13,6 +13,7 @@ pub mod error;
 pub mod file;
 pub mod injector;
 pub mod occluder;
+pub mod path;
 pub mod preset;
 pub mod propagation;
 
@@ -96,6 +97,11 @@ impl Problem {
             occlusion: preset.occlusion,
             propagation: preset.propagation.clone(),
         })
+    }
+
+    /// How often a whole run propagates ([`Propagation::actions`]).
+    pub fn actions(&self) -> usize {
+        self.propagation.actions(self.size, self.coarsest)
     }
 
     /// The slab of cells across an axis (0 for x) into which most light is injected; among equals the one

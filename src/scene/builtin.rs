@@ -27,6 +27,8 @@ pub const PRESETS: &[(&str, &str)] = presets![
     "pillar",
     "room-with-window",
     "mirrored-room",
+    "descent",
+    "moving-lobe",
 ];
 
 /// Files beside the presets that some of them read, by their path from the presets' folder.

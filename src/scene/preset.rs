@@ -95,6 +95,11 @@ impl Preset {
         Ok(write_whole(path, self.to_ron().as_bytes())?)
     }
 
+    /// How often a whole run propagates ([`Propagation::actions`]).
+    pub fn actions(&self) -> usize {
+        self.propagation.actions(self.size, self.coarsest)
+    }
+
     /// Whether every value is one that can be run; [`Preset::parse`] applies the same rules.
     pub fn check(&self) -> Result<(), Fault> {
         if self.version != VERSION {

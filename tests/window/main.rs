@@ -2,13 +2,18 @@
 #![cfg(feature = "app")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod branches;
+mod canvas;
 mod compare;
 mod driver;
 mod drops;
 mod exports;
+mod fields;
+mod palette;
 mod plots;
 mod recovery;
 mod settings;
+mod study;
 mod timeline;
 #[cfg(unix)]
 #[path = "../unprivileged/mod.rs"]

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use egui::Context;
 
 pub use aside::Aside;
+pub use errand::Watch;
 
 use super::Session;
 use super::plots::Tab;
@@ -116,6 +117,17 @@ impl Asides {
 }
 
 impl Session {
+    /// What was measured last.
+    pub fn pareto_rows(&self) -> &[Row] {
+        self.asides.pareto.latest().map_or(&[], |(_, rows)| rows)
+    }
+
+    /// Whether what was measured is of another problem than the one that runs.
+    pub fn pareto_is_old(&self) -> bool {
+        let now = self.run.problem.as_ref();
+        self.asides.pareto.latest().zip(now).is_some_and(|(((Very(of), _), _), now)| !Arc::ptr_eq(of, now))
+    }
+
     /// Whether something on screen is measured against what truly arrives.
     pub fn wants_truth(&self) -> bool {
         let seen = self.settings.view.stage == Stage::Compare && self.run.others.contains(&Rival::Ballistic);
@@ -273,7 +285,7 @@ impl Session {
     fn seek_factors(&mut self, ctx: &Context) -> Result<(), String> {
         let preset = &self.document.preset;
         let own = &preset.propagation;
-        let rivals = if self.settings.view.stage == Stage::Compare { self.comparison.others.as_slice() } else { &[] };
+        let rivals = &self.comparison.others;
         let of_rival = |rival: &Rival| match rival {
             Rival::Propagator(propagation) => propagation.clone(),
             Rival::Uniform | Rival::Ballistic => own.clone(),

@@ -43,7 +43,7 @@ impl Purpose {
 
     /// Whether a picture is made, which has a size and colours.
     pub fn is_picture(self) -> bool {
-        matches!(self, Purpose::Export(Command::ExportSvg | Command::ExportPng | Command::ExportGrids))
+        matches!(self, Purpose::Export(command) if command != Command::ExportCsv)
     }
 
     /// Whether the file is written.
@@ -59,7 +59,7 @@ impl Purpose {
             Purpose::Dump => &["npy", "csv"],
             Purpose::Occluder(_) | Purpose::Export(Command::ExportCsv) => &["csv"],
             Purpose::Export(Command::ExportSvg) => &["svg"],
-            Purpose::Export(Command::ExportPng) => &["png"],
+            Purpose::Export(Command::ExportPng | Command::ExportFilm | Command::ExportFrames) => &["png"],
             Purpose::Export(_) => &["svg", "png"],
         }
     }

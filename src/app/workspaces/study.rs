@@ -6,8 +6,8 @@ use std::sync::Arc;
 use egui::{CentralPanel, Context, Frame, Margin, Panel, Ui};
 
 use super::Panels;
-use crate::app::draw::glyphs::Scales;
 use crate::app::draw::grids::{Grids, Manner};
+use crate::app::draw::scales::Scales;
 use crate::app::draw::style::theme;
 use crate::app::panels::port;
 use crate::app::session::Session;
@@ -71,6 +71,7 @@ impl Study {
                 iteration: answer.grids.get(sight.dump).map_or(0, |grid| grid.iteration),
                 forgotten: false,
                 slice: Arc::new(slice),
+                of_run: None,
                 errors: Vec::new(),
                 index: Vec::new(),
                 occupied: Vec::new(),
@@ -80,7 +81,8 @@ impl Study {
         let Some((_, _, shown)) = &self.shown else { return };
         let view = View { paint: Paint::Direction, levels: false, occluders: false, ..session.settings.view.clone() };
         let (theme, scales) = (theme(ui.ctx()), Scales::of(&view, shown));
-        let manner = Manner { view: &view, theme: &theme, scales: &scales, marks: &[] };
+        let manner =
+            Manner { view: &view, theme: &theme, scales: &scales, paint: view.paint, marks: &[], between: &[] };
         let titles = ["As it should be", "The port's", "The difference"].map(str::to_owned);
         self.grids.ui(ui, shown, &titles, &manner);
     }
