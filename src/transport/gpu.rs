@@ -1,6 +1,7 @@
 //! Light on a graphics card, with the bits of the processor's loops.
 
 pub mod device;
+pub mod export;
 pub mod layout;
 pub mod text;
 pub mod volume;
