@@ -10,9 +10,8 @@ use super::{CliError, SceneArgs};
 use crate::report::table::{Table, Value};
 use crate::scene::Problem;
 use crate::study::compare::{self, Finding, PATIENCE, Reference};
-use crate::transport::known_scheme;
+use crate::transport;
 use crate::transport::lattice::schemes;
-use crate::transport::ordinates;
 
 /// What to compare.
 #[derive(Args, Debug)]
@@ -51,9 +50,7 @@ pub fn run(args: &CompareArgs) -> Result<(), CliError> {
         false => args.schemes.iter().map(String::as_str).collect(),
     };
     for name in &names {
-        if *name != ordinates::NAME {
-            known_scheme(name)?;
-        }
+        transport::known(name)?;
     }
     let reference = Reference::ALL.into_iter().find(|r| r.name() == args.reference).unwrap_or_default();
     let folder = args.out.clone().map(Folder::create).transpose()?;

@@ -10,6 +10,7 @@ use crate::field::Grid;
 use crate::scene::Problem;
 use crate::sh::Real;
 use crate::simulation::{Action, Refusal, Simulation};
+use crate::transport::kind::Precision;
 
 /// Each channel's accumulated light in the uniform volume of the same size, scheme and iterations.
 pub fn uniform<T: Real>(simulation: &Simulation<T>) -> Vec<Grid<T>> {
@@ -17,7 +18,7 @@ pub fn uniform<T: Real>(simulation: &Simulation<T>) -> Vec<Grid<T>> {
 }
 
 /// A simulation of the finest level alone, with the scene's light injected and nothing propagated yet.
-pub fn injected<T: Real>(problem: &Problem) -> Result<Simulation<T>, Refusal> {
+pub fn injected<T: Precision>(problem: &Problem) -> Result<Simulation<T>, Refusal> {
     let mut simulation = Simulation::new(Problem { coarsest: problem.size, ..problem.clone() })?;
     simulation.act(Action::Clear);
     simulation.act(Action::Inject);

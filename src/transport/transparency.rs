@@ -29,6 +29,11 @@ impl Transparency {
         Some(Transparency { n, passes })
     }
 
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.passes.as_slice())
+    }
+
     /// The share that passes a cell, 0 to 1.
     #[inline]
     pub fn at(&self, [x, y, z]: Cell) -> f32 {

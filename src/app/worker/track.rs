@@ -113,7 +113,7 @@ impl Track {
 
     /// Bytes that the present takes.
     pub fn now_bytes(&self) -> usize {
-        history::bytes(&self.now)
+        self.now.bytes() + self.now.shared_bytes()
     }
 
     /// Changes the memory for the past, in bytes.

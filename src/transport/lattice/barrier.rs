@@ -93,6 +93,11 @@ impl<T: Real> Barrier<T> {
         self.levels[level].at(cell)[axis]
     }
 
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        self.levels.iter().map(|passage| size_of_val(passage.shares.as_slice())).sum()
+    }
+
     /// The finest cells that no light can enter.
     pub fn shut(&self) -> impl Iterator<Item = Cell> + '_ {
         Layout::new(self.levels[0].n).cells().filter(|cell| self.passes(0, *cell, 0) == T::ZERO)

@@ -38,6 +38,11 @@ impl<T: Real> Geometry<T> {
         Geometry { lobes, surfaces }
     }
 
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        self.lobes.bytes() + self.surfaces.bytes()
+    }
+
     /// The blocker of a cell.
     pub fn lobe(&self, level: usize, cell: Cell) -> Sh<T> {
         self.lobes.level(level).get(cell)

@@ -12,8 +12,6 @@ use crate::scene::propagation::ordinates::{MOST_DIRECTIONS, Setting};
 use crate::scene::propagation::{MOST_ITERATIONS, Snapshots};
 use crate::study::stability::outlook::Exceeded;
 use crate::transport;
-use crate::transport::lattice::schemes;
-use crate::transport::ordinates;
 
 /// The largest factor that can be dragged to: far beyond where every scheme grows without bound.
 const LARGEST_FACTOR: f64 = 100.0;
@@ -22,13 +20,10 @@ const LARGEST_FACTOR: f64 = 100.0;
 /// than its factor.
 pub fn ui(ui: &mut Ui, propagation: &mut Propagation, exceeded: Option<Exceeded>) {
     let schemes: Vec<String> = transport::names().iter().map(|name| (*name).to_owned()).collect();
-    let about = schemes::find(&propagation.scheme);
-    let hint = match about {
-        Some(scheme) => format!("{}\n{}", scheme.summary, scheme.source),
-        None => "Light that keeps its direction, on the finest level".to_owned(),
-    };
+    let kind = transport::find(&propagation.scheme);
+    let hint = kind.map_or(String::new(), |kind| format!("{}\n{}", kind.summary, kind.source));
     choice(ui, "Scheme", &hint, &mut propagation.scheme, &schemes, String::clone);
-    if propagation.scheme == ordinates::NAME {
+    if kind.is_some_and(|kind| !kind.can.levels) {
         directions(ui, &mut propagation.ordinates);
     }
     let field = DragValue::new(&mut propagation.factor).range(0.0..=LARGEST_FACTOR).speed(0.01).max_decimals(6);

@@ -89,6 +89,15 @@ impl<T: Real> Occluders<T> {
         }
     }
 
+    /// Bytes that they take.
+    pub fn bytes(&self) -> usize {
+        match self {
+            Occluders::Fuzzy(fuzzy) => fuzzy.geometry.bytes(),
+            Occluders::Mirrored(mirrored) => mirrored.geometry.bytes(),
+            Occluders::Hard(hard) => hard.geometry.bytes() + hard.barrier.bytes(),
+        }
+    }
+
     /// The cells of an n³ level whose light depends on an occluder; the others receive what they would
     /// without any.
     pub fn touched(&self, level: usize, n: usize) -> Touched<T> {
@@ -103,6 +112,18 @@ impl<T: Real> Occluders<T> {
             _ => Vec::new(),
         };
         Touched { cells, around }
+    }
+}
+
+impl<T> Touched<T> {
+    /// Bytes that a cell takes.
+    pub const CELL: usize = size_of::<Cell>();
+    /// Bytes that what lies around it takes, for fuzzy occluders.
+    pub const AROUND: usize = size_of::<[Around<T>; 6]>();
+
+    /// Bytes that they take.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.cells.as_slice()) + size_of_val(self.around.as_slice())
     }
 }
 

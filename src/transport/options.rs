@@ -16,7 +16,7 @@ pub struct Options {
     pub blocked: bool,
     /// What is left out because it cannot matter.
     pub skip: Skip,
-    /// Stop a run once [`super::Simulation::still_to_come`] is at most this; `None` to do every iteration.
+    /// Stop a run once [`super::Transport::still_to_come`] is at most this; `None` to do every iteration.
     pub tolerance: Option<f64>,
 }
 

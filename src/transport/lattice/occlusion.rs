@@ -1,0 +1,112 @@
+//! What a problem's occluders are to a scheme: which kind of occluders, and from which iteration on.
+
+use super::active::grown;
+use super::barrier::Barrier;
+use super::geometry::Geometry;
+use super::kernel::occluded::{Fuzzy, Hard, Mirrored, Occluders, Touched};
+use super::scheme::{Scheme, Surface};
+use crate::field::{IndexVolume, Layout, Levels, Marks, memory};
+use crate::scene::Problem;
+use crate::scene::occluder::{BlockingSign, OcclusionMode};
+use crate::sh::Real;
+
+/// The occluders of a scene as a scheme sees them.
+#[derive(Clone, Debug)]
+pub(super) struct Obstacles<T> {
+    pub(super) occluders: Occluders<T>,
+    /// The first iteration in which they act, counted from 1.
+    from_iteration: usize,
+    /// By level, the cells whose light depends on them.
+    pub(super) touched: Vec<Touched<T>>,
+}
+
+impl<T: Real> Obstacles<T> {
+    /// `None` where there are none.
+    pub(super) fn new(problem: &Problem, sizes: Levels, scheme: &Scheme) -> Option<Self> {
+        let occlusion = problem.occlusion;
+        if !problem.has_occluders() {
+            return None;
+        }
+        let geometry = Geometry::new(sizes, &problem.solids);
+        // Reflection is what a mirroring scheme is; in the others it is an extra that the preset asks for.
+        let mirrors = scheme.surface == Surface::Mirrored;
+        let (occluders, from_iteration) = match occlusion.mode {
+            OcclusionMode::Hard => {
+                let injected = problem.sources.iter().flat_map(|source| &source.light);
+                let barrier = Barrier::new(sizes, &problem.solids, injected.map(|(cell, _)| *cell));
+                let bounce = if mirrors { 1.0 } else { occlusion.bounce };
+                (Occluders::Hard(Hard { barrier, geometry, bounce: T::of(bounce) }), 0)
+            }
+            _ if mirrors => (Occluders::Mirrored(Mirrored { geometry }), 0),
+            _ => {
+                let fuzzy = Fuzzy {
+                    geometry,
+                    amplifier: T::of(occlusion.amplifier),
+                    along_travel: occlusion.sign == BlockingSign::AlongTravel,
+                    bounce: T::of(occlusion.bounce),
+                };
+                (Occluders::Fuzzy(fuzzy), occlusion.from_iteration)
+            }
+        };
+        let touched = (0..sizes.count()).map(|i| occluders.touched(i, sizes.side(i))).collect();
+        Some(Obstacles { occluders, from_iteration, touched })
+    }
+
+    /// Itself, if they act in an iteration, counted from 1.
+    pub(super) fn acting(&self, iteration: usize) -> Option<&Self> {
+        (iteration >= self.from_iteration).then_some(self)
+    }
+
+    /// Sees to it that cells which hard occluders let no light enter are sampled at level 0.
+    pub(super) fn mark_shut(&self, index: &mut IndexVolume) {
+        if let Occluders::Hard(hard) = &self.occluders {
+            let marks = index.level_mut(0);
+            hard.barrier.shut().for_each(|cell| marks.set(cell));
+        }
+    }
+
+    /// Bytes that they take.
+    pub(super) fn bytes(&self) -> usize {
+        self.occluders.bytes() + self.touched.iter().map(Touched::bytes).sum::<usize>()
+    }
+}
+
+/// Bytes that the occluders of a problem will take on levels of these sizes, in numbers of so many bytes. On other
+/// levels than the problem's own the cells beside a surface count as so many times fewer or more.
+pub(super) fn bytes(problem: &Problem, sizes: Levels, number: usize) -> u64 {
+    if !problem.has_occluders() {
+        return 0;
+    }
+    let scale = number as u64 / size_of::<f32>() as u64;
+    let geometry = 2 * scale * sizes.sides().map(memory::of_grid::<f32>).sum::<u64>();
+    let shrunk = (sizes.finest() as f64 / problem.size as f64).powi(2);
+    let touched: f64 = (0..sizes.count().min(problem.size.ilog2() as usize + 1))
+        .map(|level| touched_cells(problem, level) as f64 * shrunk)
+        .sum();
+    let hard = problem.occlusion.mode == OcclusionMode::Hard;
+    let passages = if hard { sizes.cells() as u64 * 3 * number as u64 } else { 0 };
+    let of_each =
+        if hard { Touched::<f32>::CELL } else { Touched::<f32>::CELL + scale as usize * Touched::<f32>::AROUND };
+    geometry + passages + (touched * of_each as f64) as u64
+}
+
+/// How many cells of a level have an occupied cell at one of their corners, or beside them.
+fn touched_cells(problem: &Problem, level: usize) -> usize {
+    let side = problem.size >> level;
+    let mut occupied = Marks::new(side);
+    problem.solids.iter().for_each(|solid| occupied.set(solid.cell.map(|c| c >> level)));
+    if problem.occlusion.mode == OcclusionMode::Hard {
+        return grown(&occupied).count();
+    }
+    // Corner g is shared by the cells g to g + (1, 1, 1).
+    let mut touched = Marks::new(side);
+    for cell in Layout::new(side).cells().filter(|cell| occupied.get(*cell)) {
+        for corner in 0..8 {
+            let [x, y, z] = [cell[0] + (corner & 1), cell[1] + (corner >> 1 & 1), cell[2] + (corner >> 2)];
+            if x < side && y < side && z < side {
+                touched.set([x, y, z]);
+            }
+        }
+    }
+    touched.count()
+}
