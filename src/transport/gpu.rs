@@ -1,5 +1,6 @@
 //! Light on a graphics card, with the bits of the processor's loops.
 
+pub mod card;
 pub mod device;
 pub mod export;
 pub mod layout;

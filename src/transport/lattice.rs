@@ -23,6 +23,8 @@ pub mod kernel;
 mod known;
 pub mod levels;
 mod occlusion;
+#[cfg(feature = "gpu")]
+mod parts;
 pub mod scheme;
 pub mod schemes;
 pub mod stencil;
@@ -30,7 +32,7 @@ pub mod stencil;
 use std::sync::Arc;
 
 use super::divergence::Divergence;
-use super::kind::{Capabilities, Device, Kind, Setup, Transport};
+use super::kind::{Capabilities, Kind, Setup, Transport};
 use super::options::{Kernel, Options, Wanted, Work};
 use super::refusal::Refusal;
 use super::state::{State, accumulating};
@@ -58,7 +60,7 @@ fn kind(scheme: &Scheme) -> Kind {
         summary: scheme.summary,
         source: scheme.source,
         flaws: scheme.flaws,
-        can: Capabilities { levels: true, occluders: true, clamp: true, grows: true, device: Device::Cpu },
+        can: Capabilities { levels: true, occluders: true, clamp: true, grows: true },
         check: |_| Ok(()),
         label: |propagation| propagation.scheme.clone(),
         bytes: |problem, sizes, channels, number| {
@@ -68,6 +70,7 @@ fn kind(scheme: &Scheme) -> Kind {
         },
         single: Lattice::made,
         double: Some(Lattice::made),
+        card: None,
     }
 }
 

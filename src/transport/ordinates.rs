@@ -25,7 +25,7 @@ mod sweep;
 
 use glam::DVec3;
 
-use super::kind::{Capabilities, Device, Kind};
+use super::kind::{Capabilities, Kind};
 use super::team;
 use super::transparency::Transparency;
 use crate::field::Grid;
@@ -43,12 +43,13 @@ pub fn kinds() -> Vec<Kind> {
         summary: "light that keeps its direction, on the finest level",
         source: "discrete ordinates, by the donor cell rule or by where a beam leaves a cell",
         flaws: "with few directions light arrives in rays; beams widen as they cross cell borders; nothing is reflected",
-        can: Capabilities { levels: false, occluders: true, clamp: false, grows: false, device: Device::Cpu },
+        can: Capabilities { levels: false, occluders: true, clamp: false, grows: false },
         check: |_| Ok(()),
         label,
         bytes: beams::bytes,
         single: Beams::made,
         double: Some(Beams::made),
+        card: None,
     }]
 }
 
