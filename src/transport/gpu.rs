@@ -4,6 +4,7 @@ pub mod card;
 pub mod device;
 pub mod export;
 pub mod layout;
+pub mod porting;
 pub mod text;
 pub mod volume;
 
