@@ -3,9 +3,11 @@
 mod bench;
 mod cells;
 mod compare;
+pub mod console;
 mod course;
 mod load;
-mod output;
+mod numbers;
+pub mod output;
 mod pareto;
 mod presets;
 mod race;
@@ -15,12 +17,16 @@ mod stability;
 
 use std::path::PathBuf;
 
+use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, Parser, Subcommand};
 
+use crate::scene::builtin;
+use crate::system::text::nearest;
+use crate::system::{file, interrupt};
 use crate::transport::team;
 
 pub use bench::BenchArgs;
-pub use load::{SceneArgs, open};
+pub use load::{Opened, SceneArgs, open};
 pub use run::RunArgs;
 
 /// The exit code of a run that failed.
@@ -37,7 +43,7 @@ pub const WRONG_INPUT: u8 = 2;
     after_help = "Examples:\n  lpv-lab                                open the window on the default preset\n  \
                   lpv-lab presets/mixed.ron              open the window on a preset\n  \
                   lpv-lab run presets/mixed.ron          the same headless: errors, plots and pictures\n\n\
-                  Exit codes: 0 done, 1 the run failed, 2 the arguments or a file are wrong."
+                  Exit codes: 0 done, 1 the run failed, 2 the arguments or a file are wrong, 130 ended by Ctrl-C."
 )]
 pub struct Cli {
     /// A preset to open in the window: a file, or the name of a built-in one
@@ -81,6 +87,9 @@ pub enum CliError {
     /// The run failed: exit code 1.
     #[error("{0}")]
     Failed(String),
+    /// Ctrl-C ended it before its time; what was computed is written: exit code 130.
+    #[error("{0}")]
+    Interrupted(String),
 }
 
 impl CliError {
@@ -94,7 +103,15 @@ impl CliError {
         match self {
             CliError::Input(_) => WRONG_INPUT,
             CliError::Failed(_) => FAILED,
+            CliError::Interrupted(_) => interrupt::EXIT_CODE,
         }
+    }
+}
+
+/// A file that cannot be read is a wrong argument; whoever writes makes it a failure.
+impl From<file::FileError> for CliError {
+    fn from(error: file::FileError) -> Self {
+        CliError::Input(error.to_string())
     }
 }
 
@@ -116,12 +133,46 @@ impl From<crate::simulation::Refusal> for CliError {
     }
 }
 
-/// What clap says of wrong arguments, in one line: its first paragraph.
-pub fn in_one_line(error: &clap::Error) -> String {
+/// What clap says of wrong arguments, in one line: its first paragraph, and what was probably meant. `first` is the
+/// command line's first word.
+pub fn in_one_line(error: &clap::Error, first: Option<&str>) -> String {
+    if let Some(meant) = first.and_then(mistyped) {
+        return meant;
+    }
     let text = error.to_string();
     let paragraph: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
     let said = paragraph.join(" ");
-    format!("{}; see `lpv-lab --help`", said.strip_prefix("error: ").unwrap_or(&said))
+    let said = said.strip_prefix("error: ").unwrap_or(&said);
+    let suggested = [ContextKind::SuggestedArg, ContextKind::SuggestedValue, ContextKind::SuggestedSubcommand];
+    let meant = suggested.into_iter().find_map(|kind| match error.get(kind)? {
+        ContextValue::String(name) => Some(name.as_str()),
+        ContextValue::Strings(names) => names.first().map(String::as_str),
+        _ => None,
+    });
+    match meant {
+        Some(meant) => format!("{said}; did you mean `{meant}`? See `lpv-lab --help`"),
+        None => format!("{said}; see `lpv-lab --help`"),
+    }
+}
+
+/// Whether a built-in preset has this name.
+pub fn is_built_in(name: &str) -> bool {
+    builtin::find(name).is_some()
+}
+
+/// What is wrong with the command line's first word, if it is nearly the name of a command and names nothing else.
+pub fn mistyped(first: &str) -> Option<String> {
+    let program = Cli::command();
+    let commands: Vec<&str> = program.get_subcommands().map(clap::Command::get_name).chain(["help"]).collect();
+    if first.starts_with('-') || commands.contains(&first) || std::path::Path::new(first).exists() {
+        return None;
+    }
+    let presets = builtin::PRESETS.iter().map(|(name, _)| *name);
+    let meant = nearest(first, &commands.iter().copied().chain(presets).collect::<Vec<_>>())?;
+    let is_command = commands.contains(&meant);
+    is_command.then(|| {
+        format!("there is no command `{}`; did you mean `{meant}`?", crate::system::text::shortened(first, 60))
+    })
 }
 
 /// Does a headless command.
@@ -135,7 +186,9 @@ pub fn execute(command: Command) -> Result<(), CliError> {
         Command::Presets(args) => presets::run(&args),
         Command::Stability(args) => team::inside(|| stability::run(&args)),
         Command::Completions { shell } => {
-            clap_complete::generate(shell, &mut Cli::command(), "lpv-lab", &mut std::io::stdout());
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Cli::command(), "lpv-lab", &mut script);
+            console::stream(|out| out.write_all(&script));
             Ok(())
         }
     }

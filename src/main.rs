@@ -1,37 +1,56 @@
 //! The program: a headless command, or the window on a preset.
 #![forbid(unsafe_code)]
 
-use std::path::{Path, PathBuf};
+use std::ffi::OsStr;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
-use lpv_lab::cli::{self, Cli, CliError, RunArgs};
+use lpv_lab::cli::{self, Cli, CliError, Opened, RunArgs, console};
+use lpv_lab::system::memory;
+#[cfg(feature = "app")]
+use lpv_lab::system::text::shortened;
+use lpv_lab::transport::team;
 
 /// The built-in preset that is opened when none is named.
 const DEFAULT_PRESET: &str = "two-walls";
 
 fn main() -> ExitCode {
     env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("error")).init();
-    let cli = match Cli::try_parse() {
-        Ok(cli) => cli,
-        Err(error) if error.use_stderr() => {
-            eprintln!("lpv-lab: {}", cli::in_one_line(&error));
-            return ExitCode::from(cli::WRONG_INPUT);
-        }
-        // Help and the version are no errors, though they come as such.
-        Err(help) => help.exit(),
-    };
-    let done = match cli.command {
-        Some(cli::Command::Bench(args)) => bench(args),
-        Some(command) => cli::execute(command),
-        None => open(cli.preset.unwrap_or_else(|| PathBuf::from(DEFAULT_PRESET))),
-    };
+    // What was said and could not be written is told last: by then every file is.
+    let done = obey().and_then(|()| console::finish());
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("lpv-lab: {error}");
+            console::note(format_args!("{error}"));
             ExitCode::from(error.exit_code())
         }
+    }
+}
+
+/// Does what the command line says.
+fn obey() -> Result<(), CliError> {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) if error.use_stderr() => {
+            let first = std::env::args_os().nth(1);
+            return Err(CliError::Input(cli::in_one_line(&error, first.as_deref().and_then(OsStr::to_str))));
+        }
+        // Help and the version are no errors, though they come as such.
+        Err(help) => {
+            console::stream(|_| help.print());
+            return Ok(());
+        }
+    };
+    memory::check().map_err(CliError::Failed)?;
+    let (got, wanted) = team::gather();
+    if got < wanted {
+        console::note(format_args!("{got} of {wanted} threads can be started (ulimit -u or -v), so it takes longer"));
+    }
+    match cli.command {
+        Some(cli::Command::Bench(args)) => bench(args),
+        Some(command) => cli::execute(command),
+        None => open(cli.preset.unwrap_or_else(|| PathBuf::from(DEFAULT_PRESET))),
     }
 }
 
@@ -50,13 +69,13 @@ fn bench(args: cli::BenchArgs) -> Result<(), CliError> {
 fn frames() {
     const SIDE: usize = 64;
     let Some(cost) = lpv_lab::app::frame_cost::measure(SIDE) else { return };
-    println!(
+    console::line(format_args!(
         "One frame of the window, three views of {SIDE}×{SIDE} cells with {} glyphs: {:.2} ms where everything changed, \
          {:.2} ms where nothing did",
         cost.glyphs,
         1e3 * cost.changed,
         1e3 * cost.unchanged
-    );
+    ));
 }
 
 #[cfg(not(feature = "app"))]
@@ -64,27 +83,37 @@ fn frames() {}
 
 /// Opens the window on a preset; where there is no display, runs the preset headless and says so.
 fn open(preset: PathBuf) -> Result<(), CliError> {
-    let why_not = match window(&preset)? {
+    if let Some(meant) = preset.to_str().filter(|name| !cli::is_built_in(name)).and_then(cli::mistyped) {
+        return Err(CliError::Input(meant));
+    }
+    let why_not = match window(cli::open(&preset)?) {
         None => return Ok(()),
         Some(why_not) => why_not,
     };
     let args = RunArgs::of(preset);
-    eprintln!("{why_not}: running {} headless, results in {}", args.preset().display(), args.out().display());
+    let (preset, out) = (args.preset().display(), args.out());
+    console::note(format_args!("{why_not}: running {preset} headless, results in {}", out.display()));
     cli::execute(cli::Command::Run(args))
 }
 
 /// Shows the window until it is closed; the reason if there can be none.
 #[cfg(feature = "app")]
-fn window(path: &Path) -> Result<Option<String>, CliError> {
-    let preset = cli::open(path)?.preset;
+fn window(Opened { preset, file, .. }: Opened) -> Option<String> {
     if cfg!(target_os = "linux") && ["DISPLAY", "WAYLAND_DISPLAY"].iter().all(|v| std::env::var_os(v).is_none()) {
-        return Ok(Some("no display".to_owned()));
+        return Some("no display".to_owned());
     }
-    let file = path.exists().then(|| path.to_path_buf());
-    Ok(lpv_lab::app::run(preset, file).err().map(|error| format!("no window ({error})")))
+    lpv_lab::app::run(preset, file).err().map(|error| format!("no window ({})", brief(&error.to_string())))
+}
+
+/// The first sentence of what a driver says: the rest is for those who write drivers.
+#[cfg(feature = "app")]
+fn brief(error: &str) -> String {
+    let sentence = error.lines().next().unwrap_or_default();
+    let end = sentence.find([':', '(', '{']).filter(|end| *end > 0).unwrap_or(sentence.len());
+    shortened(sentence[..end].trim(), 80)
 }
 
 #[cfg(not(feature = "app"))]
-fn window(_: &Path) -> Result<Option<String>, CliError> {
-    Ok(Some("built without the window".to_owned()))
+fn window(_: Opened) -> Option<String> {
+    Some("built without the window".to_owned())
 }

@@ -5,10 +5,12 @@
 
 mod axis;
 pub mod colour;
-pub mod error_plot;
+pub mod error_figure;
+pub mod fonts;
 pub mod glyph;
 mod legend;
 pub mod number;
+pub mod pareto_figure;
 pub mod picture;
 pub mod plot;
 pub mod raster;

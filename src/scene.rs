@@ -7,6 +7,7 @@
 
 pub mod builtin;
 pub mod cell_file;
+pub mod doubts;
 pub mod error;
 pub mod file;
 pub mod injector;
@@ -18,9 +19,11 @@ mod npy;
 mod occluder_file;
 mod place;
 mod region;
+mod row_text;
 mod rows;
 mod solids;
 mod syntax;
+mod value;
 
 use std::path::Path;
 

@@ -132,16 +132,27 @@ impl<T: Precision> Simulation<T> {
         let kind = transport::known(&problem.propagation.scheme)?;
         let make = T::maker(kind, options.device).ok_or_else(|| kind.refusal(options.device))?;
         let channels = if options.skip.channels { problem.channels() } else { Channels::separate() };
-        refuse_what_does_not_fit(sizes.finest(), |size| {
-            let (sizes, count) = (sizes.with_finest(size), channels.count());
-            memory::of_simulation::<T>(sizes, count) + (kind.bytes)(&problem, sizes, count, size_of::<T>())
-        })?;
+        let bytes = |size| bytes::<T>(kind, &problem, sizes.with_finest(size), channels.count());
+        refuse_what_does_not_fit(sizes.finest(), bytes)?;
         let setup = Setup { problem: Arc::clone(&problem), sizes, channels: channels.clone(), options };
         let mut transport = make(&setup)?;
         let mut state = State::new(sizes, channels);
         transport.start(&mut state);
         Ok(Simulation { problem, kind, options, state, transport, work: Work::default(), divergence: None })
     }
+
+    /// Bytes that a simulation of `problem` will take once it runs and is merged, occluders and all.
+    pub fn bytes_of(problem: &Problem, options: &Options) -> Result<u64, Refusal> {
+        let sizes = Levels::new(problem.size, problem.coarsest)
+            .ok_or(Refusal::Sizes { size: problem.size, coarsest: problem.coarsest })?;
+        let channels = if options.skip.channels { problem.channels() } else { Channels::separate() };
+        Ok(bytes::<T>(transport::known(&problem.propagation.scheme)?, problem, sizes, channels.count()))
+    }
+}
+
+/// Bytes of the state and of what the transport keeps.
+fn bytes<T>(kind: &Kind, problem: &Problem, sizes: Levels, channels: usize) -> u64 {
+    memory::of_simulation::<T>(sizes, channels) + (kind.bytes)(problem, sizes, channels, size_of::<T>())
 }
 
 impl<T: Real> Simulation<T> {

@@ -1,9 +1,11 @@
 //! Questions put to simulations.
 
-pub mod ballistic;
 pub mod benchmark;
 pub mod compare;
 pub mod error;
+pub mod expectation;
+pub mod fit;
+pub mod light;
 pub mod pareto;
 pub mod profile;
 pub mod race;

@@ -1,3 +1,6 @@
 //! What the program needs of the machine that it runs on.
 
+pub mod file;
+pub mod interrupt;
 pub mod memory;
+pub mod text;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use lpv_lab::field::{Cell, Grid};
-use lpv_lab::scene::cell_file::{self, Column};
+use lpv_lab::scene::cell_file::{self, Column, Grids};
 use lpv_lab::scene::{Preset, Problem};
 use lpv_lab::sh::Sh;
 use lpv_lab::transport::preset;
@@ -23,7 +23,7 @@ fn file(name: &str, content: &[u8]) -> (TempDir, PathBuf) {
     (folder, path)
 }
 
-fn read(name: &str, content: &[u8], size: usize, column: Column) -> Result<Vec<(Cell, Sh<f64>)>, String> {
+fn read(name: &str, content: &[u8], size: usize, column: Option<Column>) -> Result<Vec<(Cell, Sh<f64>)>, String> {
     let (folder, path) = file(name, content);
     let read = cell_file::read(&path, size, column);
     read.map_err(|error| {
@@ -33,9 +33,14 @@ fn read(name: &str, content: &[u8], size: usize, column: Column) -> Result<Vec<(
     })
 }
 
+/// The grids of a finest level.
+fn grids<'a>(source: Option<&'a Grid<f32>>, accumulated: &'a Grid<f32>) -> Grids<'a> {
+    Grids { source, accumulated: Some(accumulated), side: false }
+}
+
 /// Checks that a file of side 8 is refused with all of `words`.
 fn refused(name: &str, content: &[u8], words: &[&str]) {
-    let line = read(name, content, 8, Column::Source).expect_err(&String::from_utf8_lossy(content));
+    let line = read(name, content, 8, None).expect_err(&String::from_utf8_lossy(content));
     assert!(words.iter().all(|word| line.contains(word)), "{line}\n  lacks one of {words:?}");
 }
 
@@ -43,20 +48,89 @@ fn refused(name: &str, content: &[u8], words: &[&str]) {
 fn every_header_is_read_in_the_published_basis() {
     let both = b"x,y,z,s0,s1,s2,s3,a0,a1,a2,a3\n1,2,3,1,2,3,4,5,6,7,8\n";
     let sh = |c| vec![([1, 2, 3], Sh::from_basis(c))];
-    assert_eq!(read("a.csv", both, 8, Column::Source), Ok(sh([1.0, 2.0, 3.0, 4.0])));
-    assert_eq!(read("a.csv", both, 8, Column::Accumulated), Ok(sh([5.0, 6.0, 7.0, 8.0])));
-    for header in ["x,y,z,a0,a1,a2,a3", "x,y,z,c0,c1,c2,c3", "\u{feff}X, Y, Z, C0, C1, C2, C3\r"] {
-        for column in [Column::Source, Column::Accumulated] {
+    assert_eq!(read("a.csv", both, 8, Some(Column::Source)), Ok(sh([1.0, 2.0, 3.0, 4.0])));
+    assert_eq!(read("a.csv", both, 8, Some(Column::Accumulated)), Ok(sh([5.0, 6.0, 7.0, 8.0])));
+    let any = [None, Some(Column::Source), Some(Column::Accumulated)];
+    for (header, columns) in [
+        ("x,y,z,a0,a1,a2,a3", &any[..1]),
+        ("x,y,z,a0,a1,a2,a3", &any[2..]),
+        ("x,y,z,s0,s1,s2,s3", &any[..2]),
+        ("x,y,z,c0,c1,c2,c3", &any[..]),
+        ("\u{feff}X, Y, Z, C0, C1, C2, C3\r", &any[..]),
+    ] {
+        for column in columns {
             let text = format!("{header}\n1, 2 ,3, 1e0,-2.5E-1,+3,.5\r\n\r\n");
-            assert_eq!(read("a.csv", text.as_bytes(), 8, column), Ok(sh([1.0, -0.25, 3.0, 0.5])));
+            assert_eq!(read("a.csv", text.as_bytes(), 8, *column), Ok(sh([1.0, -0.25, 3.0, 0.5])));
         }
     }
 }
 
 #[test]
+fn no_light_is_guessed() {
+    let both = b"x,y,z,s0,s1,s2,s3,a0,a1,a2,a3\n1,2,3,1,2,3,4,5,6,7,8\n";
+    refused("a.csv", both, &["holds two lights", "`column: Source`", "`column: Accumulated`"]);
+    for (letter, other) in [("s", Column::Accumulated), ("a", Column::Source)] {
+        let text = format!("x,y,z,{letter}0,{letter}1,{letter}2,{letter}3\n1,2,3,1,2,3,4\n");
+        let line = read("a.csv", text.as_bytes(), 8, Some(other)).expect_err("another light");
+        assert!(line.contains("alone") && line.contains("leave it out"), "{line}");
+    }
+}
+
+#[test]
+fn what_spreadsheets_and_scripts_write_is_read() {
+    let expected = read("a.csv", b"x,y,z,c0,c1,c2,c3\n1,2,3,0.886227,0,0,-1.02333\n", 8, None).expect("good");
+    assert_eq!(expected.len(), 1);
+    for text in [
+        "x;y;z;c0;c1;c2;c3\n1;2;3;0.886227;0;0;-1.02333\n",
+        "x;y;z;c0;c1;c2;c3\r\n1;2;3;0,886227;0;0;-1,02333\r\n",
+        "x\ty\tz\tc0\tc1\tc2\tc3\n1\t2\t3\t0,886227\t0\t0\t-1.02333\n",
+        "# made by a script\nx,y,z,c0,c1,c2,c3\n # two remarks\n\n1,2,3,0.886227,0,0,-1.02333\n# the end",
+        "\"x\",\"y\",\"z\",\"c0\",\"c1\",\"c2\",\"c3\"\n\"1\",\"2\",\"3\",\"0.886227\",\"0\",\"0\",\"-1.02333\"",
+        "x,y,z,c0,c1,c2,c3,side\n1,2,3,0.886227,0,0,-1.02333,8\n",
+    ] {
+        assert_eq!(read("a.csv", text.as_bytes(), 8, None).as_ref(), Ok(&expected), "{text}");
+    }
+    assert_eq!(read("a.csv", b"x,y,z,c0,c1,c2,c3\n", 8, None), Ok(Vec::new()));
+}
+
+#[test]
+fn what_is_something_else_is_named() {
+    let zip = [&b"PK\x03\x04"[..], &[0xff; 3000]].concat();
+    refused("a.npz", &zip, &["an archive (.npz", "numpy.save"]);
+    refused("a.csv", &zip, &["an archive"]);
+    refused("a.npy", &zip, &["an archive"]);
+    refused("a.csv", &npy(1, &plain("<f4")), &["a .npy array", "ends in .npy"]);
+    refused("a.csv", b"\x1f\x8b\x08\0\0", &["compressed", "unpack"]);
+    refused("a.npy", &npy(9, &plain("<f4")), &["version 9", "versions 1 to 3"]);
+    // A whole array of another size is told by its shape, not by its length.
+    for side in [4usize, 16] {
+        let shape = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({side}, {side}, {side}, 4), }}");
+        let array = [npy(1, &shape), vec![0; side.pow(3) * 16]].concat();
+        refused("a.npy", &array, &[&format!("shape is `({side},{side},{side},4)`"), "(8, 8, 8, 4)"]);
+    }
+    refused("a.csv", b"x,y,z,c0,c1,c2,c3\n8,0,0,1,0,0,0\n", &["`8`", "0 to 7", "a larger one or a finer level"]);
+    refused("a.csv", b"x,y,z,c0,c1,c2,c3,side\n1,0,0,1,0,0,0,4\n", &["4 cells a side, the volume has 8", "level 0"]);
+    refused("a.csv", b"x,y,z,c0,c1,c2,c3\n1,2,3,0,5,0,0,1\n", &["8 columns", "decimal point"]);
+}
+
+#[test]
+fn a_last_row_that_may_have_been_cut_is_refused() {
+    let whole = "x,y,z,c0,c1,c2,c3\n1,2,3,0.886227,0,0,-1.02333\n2,2,3,9.5e-13,-6.4e-14,-1.3e-13,4.3036636e-13\n";
+    for end in 1..whole.len() {
+        let text = &whole[..end];
+        match read("a.csv", text.as_bytes(), 8, None) {
+            Ok(cells) => assert!(text.ends_with('\n') && cells.len() + 1 == text.lines().count(), "{text}"),
+            Err(line) => assert!(!text.ends_with('\n'), "{line}"),
+        }
+    }
+    let cut = whole.strip_suffix("e-13\n").expect("its end");
+    refused("a.csv", cut.as_bytes(), &["a.csv:3: ", "no line end", "may have been cut"]);
+}
+
+#[test]
 fn rows_come_in_the_volumes_order_and_dark_ones_are_left_out() {
-    let text = b"x,y,z,c0,c1,c2,c3\n1,0,1,4,0,0,0\n0,1,0,3,0,0,0\n0,0,0,0,0,0,0\n1,0,0,2,0,0,0";
-    let cells = read("a.csv", text, 2, Column::Source).expect("good");
+    let text = b"x,y,z,c0,c1,c2,c3\n1,0,1,4,0,0,0\n0,1,0,3,0,0,0\n0,0,0,0,0,0,0\n1,0,0,2,0,0,0\n";
+    let cells = read("a.csv", text, 2, Some(Column::Source)).expect("good");
     assert_eq!(cells.iter().map(|(cell, _)| *cell).collect::<Vec<_>>(), [[1, 0, 0], [0, 1, 0], [1, 0, 1]]);
 }
 
@@ -113,7 +187,7 @@ fn npy_of_either_width_and_endianness_is_read_z_slowest() {
     ] {
         for version in [1, 2, 3] {
             let content = [npy(version, &plain(descr)), data.clone()].concat();
-            let cells = read("a.npy", &content, 2, Column::Source).expect(descr);
+            let cells = read("a.npy", &content, 2, Some(Column::Source)).expect(descr);
             assert_eq!(cells.len(), 8);
             // [z, y, x] = [1, 0, 1] is the sixth of eight.
             assert_eq!(cells[5], ([1, 0, 1], Sh::from_basis([5.0, 5.25, 5.5, 5.75])), "{descr}");
@@ -127,7 +201,7 @@ fn bad_npy_is_refused_before_anything_is_believed() {
     let shape = |shape: &str| format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}");
     let size = 8 * 8 * 8 * 4 * 4;
     refused("a.npy", b"", &["a.npy: ", "no .npy file"]);
-    refused("a.npy", b"PK\x03\x04 something else", &["no .npy file"]);
+    refused("a.npy", b"PK\x03\x05 something else", &["no .npy file"]);
     refused("a.npy", b"\x93NUMPY\x02\x00\xff\xff\xff\xff and no more", &["claims 4294967295 bytes"]);
     refused("a.npy", &npy(1, &shape("(8, 8, 8, 4)"))[..40], &["no .npy file"]);
     for dims in ["(2, 2, 2, 4)", "(512, 4)", "(8, 8, 8)", "(4611686018427387904, 4611686018427387904)", "(-8, 8, 8, 4)"]
@@ -156,7 +230,7 @@ fn what_another_program_writes_as_npy_is_read() {
     let mut array = options.writer(&mut bytes).begin_nd().expect("a header");
     array.extend([1.0, 2.0, 3.0, 4.0]).expect("numbers");
     array.finish().expect("written");
-    let cells = read("a.NPY", &bytes, 1, Column::Source);
+    let cells = read("a.NPY", &bytes, 1, Some(Column::Source));
     assert_eq!(cells, Ok(vec![([0; 3], Sh::from_basis([1.0, 2.0, 3.0, 4.0]))]));
 }
 
@@ -184,16 +258,16 @@ proptest! {
     #[test]
     fn csv_gives_back_every_bit(source in grid(), sum in grid()) {
         let read = |bytes: &[u8], column| {
-            let cells = read("a.csv", bytes, 4, column).expect("good");
+            let cells = read("a.csv", bytes, 4, Some(column)).expect("good");
             cells.into_iter().map(|(cell, sh)| (cell, sh.cast::<f32>().widen())).collect::<Vec<_>>()
         };
         let mut bytes = Vec::new();
-        cell_file::write_csv(&mut bytes, Some(&source), &sum).expect("written");
+        cell_file::write_csv(&mut bytes, grids(Some(&source), &sum)).expect("written");
         prop_assert_eq!(read(&bytes, Column::Source), lit(&source));
         prop_assert_eq!(read(&bytes, Column::Accumulated), lit(&sum));
         let mut bytes = Vec::new();
-        cell_file::write_csv(&mut bytes, None, &sum).expect("written");
-        prop_assert_eq!(read(&bytes, Column::Source), lit(&sum));
+        cell_file::write_csv(&mut bytes, grids(None, &sum)).expect("written");
+        prop_assert_eq!(read(&bytes, Column::Accumulated), lit(&sum));
     }
 
     #[test]
@@ -202,7 +276,7 @@ proptest! {
         cell_file::write_npy(&mut bytes, &grid).expect("written");
         let array: Vec<f32> = npyz::NpyFile::new(&bytes[..]).and_then(npyz::NpyFile::into_vec).expect("an array");
         prop_assert_eq!(array.len(), 256);
-        prop_assert_eq!(read("a.npy", &bytes, 4, Column::Source), Ok(lit(&grid)));
+        prop_assert_eq!(read("a.npy", &bytes, 4, Some(Column::Source)), Ok(lit(&grid)));
     }
 
     #[test]
@@ -210,7 +284,7 @@ proptest! {
         let starts = [&b""[..], b"x,y,z,c0,c1,c2,c3\n", b"\x93NUMPY\x01\x00\x46\x00", b"\x93NUMPY\x01\x00\x46\x00{'descr':"];
         let content = [starts[start], &bytes].concat();
         for name in ["a.csv", "a.npy"] {
-            let _ = read(name, &content, 4, Column::Source);
+            let _ = read(name, &content, 4, Some(Column::Source));
         }
     }
 
@@ -219,12 +293,12 @@ proptest! {
         let mut grid = Grid::new(2);
         grid.set([1, 0, 1], Sh([1.0, 2.0, 3.0, 4.0]));
         let (mut csv, mut npy) = (Vec::new(), Vec::new());
-        cell_file::write_csv(&mut csv, Some(&grid), &grid).expect("written");
+        cell_file::write_csv(&mut csv, grids(Some(&grid), &grid)).expect("written");
         cell_file::write_npy(&mut npy, &grid).expect("written");
         for (name, mut bytes) in [("a.csv", csv), ("a.npy", npy)] {
             let at = at % bytes.len();
             bytes[at] = byte;
-            let _ = read(name, &bytes, 2, Column::Source);
+            let _ = read(name, &bytes, 2, Some(Column::Source));
         }
     }
 }

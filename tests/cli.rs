@@ -68,22 +68,111 @@ fn without_a_display_a_preset_is_run_headless_and_it_says_so() {
 }
 
 #[test]
-fn what_one_run_writes_another_injects() {
+fn what_one_run_writes_another_injects_whichever_the_format() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-    for file in ["cells.csv", "cells.npy"] {
-        stdout(lab().args(["cells", "presets/one-lobe.ron", "--iterations", "3", "--out", &at(file)]));
-        let column = if file == "cells.csv" { ", column: Accumulated" } else { "" };
+    let read = |name: &str, column| -> Vec<(Cell, [f32; 4])> {
+        let cells = cell_file::read(Path::new(&at(name)), 32, Some(column)).unwrap();
+        cells.into_iter().map(|(cell, light)| (cell, light.cast::<f32>().0)).collect()
+    };
+    let cells = ["cells", "presets/one-lobe.ron", "--iterations", "3", "--out"];
+    let inject = |file: &str, column: &str| {
         let preset = format!("(version: 1, size: 32, injectors: [(kind: File(path: \"{file}\"{column}))])");
         std::fs::write(at("again.ron"), preset).unwrap();
         stdout(lab().args(["cells", &at("again.ron"), "--iterations", "0", "--out", &at("again.csv")]));
-        let read = |name: &str, column| -> Vec<(Cell, [f32; 4])> {
-            let cells = cell_file::read(Path::new(&at(name)), 32, column).unwrap();
-            cells.into_iter().map(|(cell, light)| (cell, light.cast::<f32>().0)).collect()
-        };
-        let (first, again) = (read(file, Column::Accumulated), read("again.csv", Column::Accumulated));
-        assert!(first.len() > 20);
-        assert_eq!(first, again, "{file}");
+        read("again.csv", Column::Source)
+    };
+    stdout(lab().args(cells).arg(at("both.csv")));
+    let accumulated = read("both.csv", Column::Accumulated);
+    let source = read("both.csv", Column::Source);
+    assert!(accumulated.len() > 20 && accumulated != source);
+    for (grid, expected) in [("source", &source), ("accumulated", &accumulated)] {
+        for file in ["one.csv", "one.npy"] {
+            stdout(lab().args(cells).arg(at(file)).args(["--grid", grid]));
+            assert_eq!(&inject(file, ""), expected, "{grid} {file}");
+        }
+    }
+    stdout(lab().args(cells).arg(at("cells.npy")));
+    assert_eq!(inject("cells.npy", ""), accumulated);
+    assert_eq!(inject("both.csv", ", column: Accumulated"), accumulated);
+    assert_eq!(inject("both.csv", ", column: Source"), source);
+    std::fs::write(at("again.ron"), "(version: 1, injectors: [\n (kind: File(path: \"both.csv\"))])").unwrap();
+    refused(&["run", &at("again.ron")], &["again.ron:2:", "two lights", "`column: Source`", "`column: Accumulated`"]);
+    refused(&["cells", "one-lobe", "--level", "merged", "--grid", "source"], &["--grid source", "--level 0"]);
+}
+
+#[test]
+fn a_coarser_levels_cells_are_not_taken_for_a_corner_of_a_finer_volume() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    stdout(lab().args(["cells", "one-lobe", "--iterations", "2", "--level", "2", "--out", &at("coarse.csv")]));
+    let preset = |size: usize| {
+        let kind = "File(path: \"coarse.csv\", column: Accumulated)";
+        std::fs::write(at("p.ron"), format!("(version: 1, size: {size}, injectors: [(kind: {kind})])")).unwrap();
+    };
+    preset(32);
+    refused(&["cells", &at("p.ron")], &["coarse.csv:2: ", "8 cells a side", "32"]);
+    preset(8);
+    stdout(lab().args(["cells", &at("p.ron"), "--iterations", "0"]));
+}
+
+#[test]
+fn light_that_surfaces_do_not_send_is_doubted_with_its_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    for (row, words) in [
+        ("1,2,3,-0.886227,0,0,1.02333", Some("is negative in the mean")),
+        ("1,2,3,0.1,0,0,-5", Some("has a longer lobe than a cosine's")),
+        ("1,2,3,0.886227,0,0,-1.0233267", None),
+        ("1,2,3,0.886227,0,0,0", None),
+    ] {
+        std::fs::write(at("cells.csv"), format!("x,y,z,c0,c1,c2,c3\n{row}\n")).unwrap();
+        let preset =
+            "(version: 1, size: 8,\n injectors: [(kind: File(path: \"cells.csv\"))], propagation: (iterations: 1))";
+        std::fs::write(at("p.ron"), preset).unwrap();
+        for command in [["compare", "--schemes=cascaded"], ["cells", "--level=0"]] {
+            let output = lab().args(command).arg(at("p.ron")).assert().success().get_output().clone();
+            let said = String::from_utf8(output.stderr).unwrap();
+            match words {
+                Some(words) => {
+                    assert!(said.starts_with("lpv-lab: warning: ") && said.lines().count() == 1, "{said}");
+                    for part in [words, "p.ron:2:", "`cells.csv`, cell (1, 2, 3)"] {
+                        assert!(said.contains(part), "{said} lacks {part}");
+                    }
+                }
+                None => assert_eq!(said, ""),
+            }
+        }
+    }
+}
+
+#[test]
+fn nothing_in_a_title_or_a_name_steers_the_terminal_or_the_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let injectors = "injectors: [(kind: Wall(side: NegX))], propagation: (iterations: 1)";
+    for (name, title) in [
+        ("ctl", "a\\u{7}\\u{1b}[31mred\\u{0}x\\nline2"),
+        ("rtl\u{202e}nor", "\\u{202e}abc \\u{5e9}\\u{5dc}"),
+        ("long", &"WM-CM-6rter ".repeat(300)),
+    ] {
+        let preset = folder.path().join(format!("{name}.ron"));
+        std::fs::write(&preset, format!("(version: 1, title: \"{title}\", size: 8, {injectors})")).unwrap();
+        let out = folder.path().join("results");
+        let steers = |text: &str| text.chars().any(|c| lpv_lab::system::text::is_unfit(c) && c != '\n');
+        for command in [["run"].as_slice(), &["compare", "--schemes", "cascaded"]] {
+            let output =
+                lab().args(command).arg(&preset).arg("--out").arg(&out).assert().success().get_output().clone();
+            for said in [output.stdout, output.stderr] {
+                let said = String::from_utf8(said).unwrap();
+                assert!(!steers(&said), "{said:?}");
+                assert!(said.lines().all(|line| line.chars().count() < 400), "{said}");
+            }
+            for entry in
+                std::fs::read_dir(&out).unwrap().flatten().filter(|e| e.path().extension().is_some_and(|e| e == "svg"))
+            {
+                assert!(!steers(&std::fs::read_to_string(entry.path()).unwrap()), "{}", entry.path().display());
+            }
+        }
     }
 }
 
@@ -93,7 +182,7 @@ fn every_level_and_the_merged_grid_can_be_printed() {
     let path = folder.path().join("merged.npy");
     stdout(lab().args(["cells", "mixed", "--iterations", "2", "--level", "merged", "--out"]).arg(&path));
     let mut lit = Grid::<f32>::new(32);
-    for (cell, light) in cell_file::read(&path, 32, Column::Accumulated).unwrap() {
+    for (cell, light) in cell_file::read(&path, 32, None).unwrap() {
         lit.set(cell, light.cast());
     }
     assert!(lit.iter().all(|(_, light)| !light.is_zero()), "after merging, a coarser level lights every cell");
@@ -131,8 +220,18 @@ fn wrong_arguments_and_files_are_refused_in_one_line() {
     refused(&["run", "mixed", "--level", "6"], &["--level 6", "0 to 5"]);
     refused(&["run", "mixed", "--slice", "z=32"], &["z=32", "0 to 31"]);
     refused(&["run", "mixed", "--slice", "w=3"], &["--slice", "z=16"]);
+    refused(&["run", "mixed", "--factor", "-3"], &["propagation.factor", "-3", "zero or more"]);
+    refused(&["run", "mixed", "--factor", "3,5"], &["--factor", "write 3.5"]);
+    refused(&["compare", "mixed", "--factor", "-3"], &["propagation.factor", "-3", "zero or more"]);
+    refused(&["stability", "mixed", "--factor", "-3"], &["propagation.factor", "-3", "zero or more"]);
+    refused(&["run", "mixed", "--iterations", "-1"], &["--iterations", "-1", "whole number"]);
     refused(&["run"], &["PRESET", "--help"]);
-    refused(&["run", "mixed", "--itrations", "3"], &["--itrations", "--help"]);
+    refused(&["run", "mixed", "--itrations", "3"], &["--itrations", "did you mean `--iterations`", "--help"]);
+    refused(&["runn"], &["no command `runn`", "did you mean `run`"]);
+    refused(&["runn", "mixed"], &["no command `runn`", "did you mean `run`"]);
+    refused(&["compair", "mixed"], &["no command `compair`", "did you mean `compare`"]);
+    refused(&["one-lob"], &["one-lob", "no built-in preset", "did you mean `one-lobe`"]);
+    refused(&["run", "one-lob"], &["one-lob", "no built-in preset", "did you mean `one-lobe`"]);
     refused(&["cells", "mixed", "--out", "cells.txt"], &["cells.txt", ".csv or .npy"]);
 
     let folder = tempfile::tempdir().unwrap();

@@ -7,7 +7,8 @@ use lpv_lab::field::Layout;
 use lpv_lab::scene::occluder::OcclusionMode;
 use lpv_lab::scene::{Occlusion, Problem, Propagation, Solid, Source};
 use lpv_lab::sh::Sh;
-use lpv_lab::study::compare::{self, Finding, Reference};
+use lpv_lab::study::compare::{self, Finding};
+use lpv_lab::study::expectation::{Expectation, References};
 
 /// A lobe towards +X in the middle of a 32³ volume, p = 3.
 fn lobe(iterations: usize) -> Problem {
@@ -35,7 +36,7 @@ fn walled(mode: OcclusionMode) -> Problem {
 }
 
 fn against_uniform(problem: &Problem, scheme: &str) -> Finding {
-    compare::run(problem, scheme, &Reference::Uniform.of(problem)).unwrap()
+    compare::run(problem, scheme, Expectation::Merged, &References::default()).unwrap().unwrap()
 }
 
 #[test]
@@ -72,9 +73,10 @@ fn an_octree_of_one_level_has_no_error_and_more_levels_have() {
 fn no_scheme_comes_near_what_truly_arrives_from_one_lobe() {
     // MATH.md section 6: 0.99 to 1.04 for one lobe, n = 24, after the best scalar. No scalar gives 1.
     let problem = lobe(32);
-    let truth = Reference::Ballistic.of(&problem);
+    let mut references = References::default();
+    Expectation::Ballistic.prepare(&problem, &mut references, &|_| true);
     for scheme in ["cascaded", "axial"] {
-        let found = compare::run(&problem, scheme, &truth).unwrap();
+        let found = compare::run(&problem, scheme, Expectation::Ballistic, &references).unwrap().unwrap();
         assert!(found.l1_fitted > 0.9 && found.l1_fitted <= found.error.l1_ratio, "{scheme}: {}", found.l1_fitted);
     }
 }

@@ -7,8 +7,8 @@ use std::path::Path;
 use lpv_lab::scene::Problem;
 use lpv_lab::scene::propagation::Policy;
 use lpv_lab::simulation::Simulation;
-use lpv_lab::study::error::{self, ErrorRow};
-use lpv_lab::study::reference;
+use lpv_lab::study::error::ErrorRow;
+use lpv_lab::study::expectation::{Expectation, References};
 use lpv_lab::transport::preset;
 
 fn preset(name: &str) -> Problem {
@@ -28,7 +28,7 @@ fn run(mut problem: Problem, levels: Policy, factor: f64, iterations: usize) -> 
 
 /// The L1 ratio of level `level` by the corrected metric.
 fn corrected(simulation: &Simulation<f32>, level: usize) -> f64 {
-    let rows = error::corrected(simulation, &reference::uniform(simulation));
+    let rows = Expectation::Corrected.rows(simulation, &References::default());
     let of_level = |row: &&ErrorRow| row.level == Some(level);
     rows.iter().find(of_level).unwrap().l1_ratio
 }
@@ -65,7 +65,7 @@ fn merged_light_has_at_most_half_the_error_in_the_setting_of_the_thesis() {
     for name in ["two-walls.ron", "mixed.ron", "one-lobe.ron"] {
         let [same, consistent] = Policy::ALL.map(|p| {
             let simulation = run(preset(name), p, 3.0, 4);
-            error::merged(&simulation, &reference::uniform(&simulation)).l1_ratio
+            Expectation::Merged.rows(&simulation, &References::default())[0].l1_ratio
         });
         assert!(consistent <= 0.5 * same, "{name}: {consistent} against {same}");
     }

@@ -139,5 +139,5 @@ fn a_full_disk_fails_the_run_in_one_line() {
     let mut lab = assert_cmd::Command::cargo_bin("lpv-lab").expect("the program");
     let output = lab.args(["cells", "one-lobe", "--iterations", "1", "--out"]).arg(&csv).assert().code(1);
     let said = String::from_utf8_lossy(&output.get_output().stderr).into_owned();
-    assert!(said.lines().count() == 1 && said.contains("cannot write"), "{said}");
+    assert!(said.lines().count() == 1 && said.contains("cannot be saved: the disk is full"), "{said}");
 }

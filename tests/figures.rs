@@ -6,7 +6,7 @@ use lpv_lab::scene::Propagation;
 use lpv_lab::scene::{Occlusion, Problem, Source};
 use lpv_lab::sh::Sh;
 use lpv_lab::simulation::Simulation;
-use lpv_lab::study::error;
+use lpv_lab::study::expectation::{Expectation, References};
 
 #[test]
 fn one_lobe_gives_the_errors_of_figure_15() {
@@ -24,7 +24,8 @@ fn one_lobe_gives_the_errors_of_figure_15() {
     let mut rows = Vec::new();
     let mut simulation = Simulation::<f32>::new(problem).unwrap();
     simulation.run(|s| {
-        rows.push(error::thesis(s)[0]);
+        let references = References::default();
+        rows.push(Expectation::Thesis.rows(s, &references)[0]);
         true
     });
     for (k, ought, digit) in relative {

@@ -45,6 +45,8 @@ fn what_the_parser_refuses_comes_with_place_and_remedy() {
     refused("(version: 1, size: 32, »size: 32)", &["twice"]);
     refused("(version: 1, propagation: (scheme: »cascaded))", &["double quotes"]);
     refused("(version: 1) »more", &["ended"]);
+    refused("(version: 1, propagation: (factor: 3,»5, iterations: 1))", &["comma", "decimals", "write 3.5"]);
+    refused("(version: 1, propagation: (factor: 0,»25))", &["write 0.25"]);
     refused("»[1, 2]", &["no preset", "(version: 1"]);
     refused("»", &["no preset"]);
 }

@@ -44,7 +44,7 @@ fn injector() -> impl Strategy<Value = Injector> {
             InjectorKind::Rectangle { from, to }
         }),
         cell().prop_map(|cell| InjectorKind::Single { cell }),
-        (path(), select(&[Column::Source, Column::Accumulated][..]))
+        (path(), select(&[None, Some(Column::Source), Some(Column::Accumulated)][..]))
             .prop_map(|(path, column)| InjectorKind::File { path, column }),
     ];
     let color = prop::array::uniform3(prop_oneof![Just(1.0), 0.0..100.0]);

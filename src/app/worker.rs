@@ -20,11 +20,11 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use self::look::{Cloud, Look, Pin, PinSample, Shown};
 use self::rival::Rival;
-use self::track::Measured;
 use crate::scene::{Preset, Problem};
 use crate::simulation::options::Work;
 use crate::simulation::{Action, Change};
-use crate::study::error::Metric;
+use crate::study::error::ErrorRow;
+use crate::study::expectation::Expectation;
 use crate::transport::ballistic::Ballistic;
 
 /// What a newly loaded scene is to do.
@@ -72,7 +72,7 @@ pub enum Order {
     /// Use this much memory, in bytes, for the past.
     Budget(usize),
     /// Measure by this metric before others, the past as well.
-    Measure(Option<Metric>),
+    Measure(Option<Expectation>),
     /// What truly arrives, to measure against; or no longer.
     Truth(Option<Arc<Ballistic>>),
     /// Break down, so that tests see what becomes of the window.
@@ -131,9 +131,9 @@ pub enum News {
         /// The iteration.
         iteration: usize,
         /// By what.
-        metric: Metric,
+        metric: Expectation,
         /// Its errors for each propagator.
-        errors: Vec<Measured>,
+        errors: Vec<Vec<ErrorRow>>,
         /// How many are still to come.
         behind: usize,
     },
@@ -194,7 +194,7 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::app::worker::look::{Against, Layer, Light, Of, Pane, State};
+    use crate::app::worker::look::{Layer, Light, Of, Pane, State};
     use crate::report::slice::Plane;
 
     fn load(size: usize, start: Start) -> Order {
@@ -210,7 +210,7 @@ mod tests {
             panes: vec![pane],
             layer: Layer::Merged,
             plane: Plane::default(),
-            against: Against::Children,
+            against: Expectation::Thesis,
             cloud: None,
         })
     }

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use clap::Args;
 use indicatif::ProgressBar;
 
+use super::console::{self, say};
 use super::output::Folder;
 use super::{CliError, SceneArgs};
 use crate::report::colour::Theme;
@@ -43,7 +44,7 @@ pub struct BenchArgs {
     #[arg(long, value_name = "PRESET,...", value_delimiter = ',', conflicts_with = "pareto")]
     presets: Vec<PathBuf>,
     /// The propagation factor for time against error [default: 3, or the presets' own]
-    #[arg(long, value_parser = super::pareto::factor)]
+    #[arg(long, value_parser = super::pareto::factor, allow_negative_numbers = true)]
     factor: Option<f64>,
     /// Sides of the volumes in which the fixed point is iterated to and solved for; 0 to leave it out
     #[arg(long, value_name = "N,N,...", value_delimiter = ',', default_values_t = [32, 64], value_parser = side_or_none)]
@@ -101,7 +102,8 @@ pub fn run(args: &BenchArgs) -> Result<(), CliError> {
     if !scenes.is_empty() {
         team::inside(|| super::pareto::run(&scenes, rounds, &folder))?;
     }
-    println!("\n{}", folder.path().display());
+    say!("\n{}", folder.path().display());
+    folder.finish();
     Ok(())
 }
 
@@ -141,15 +143,13 @@ fn kernels(args: &BenchArgs, folder: &Folder) -> Result<(), CliError> {
     bar.finish_and_clear();
 
     let table = table(&rows);
-    print!("{}", table.to_text());
-    println!("\ntriad_fraction counts {} bytes a cell and iteration", benchmark::BYTES_PER_CELL);
+    console::print(format_args!("{}", table.to_text()));
+    say!("\ntriad_fraction counts {} bytes a cell and iteration", benchmark::BYTES_PER_CELL);
     for pool in &pools {
         print_pipeline(&pool.install(|| Pipeline::measure(101))?);
     }
     print_fading(&benchmark::pool(1)?.install(Fading::measure)?);
-    let mut csv = Vec::new();
-    table.write_csv(&mut csv).map_err(|e| CliError::Failed(format!("kernels.csv: {e}")))?;
-    folder.write("kernels.csv", csv)?;
+    folder.write_table("kernels.csv", &table)?;
     folder.write_svg_and_png("kernels", &figure(&rows).to_svg())
 }
 
@@ -185,12 +185,12 @@ fn table(rows: &[KernelRow]) -> Table<9> {
 fn print_pipeline(pipeline: &Pipeline) {
     let Pipeline { threads, channels, stages, bytes } = pipeline;
     let stages: Vec<String> = stages.iter().map(|(name, seconds)| format!("{name} {:.3} ms", 1e3 * seconds)).collect();
-    println!(
+    say!(
         "\nThe thesis's setting (n = 32, four iterations, {channels} channels) on {threads} threads: {}",
         stages.join(", ")
     );
     let milliseconds = 1e3 * pipeline.propagation();
-    println!(
+    say!(
         "Propagation takes 1/{:.1} of the thesis's {THESIS_MILLISECONDS} ms; light and marks take {:.2} MB",
         THESIS_MILLISECONDS / milliseconds,
         *bytes as f64 / 1e6
@@ -203,8 +203,8 @@ fn print_fading(Fading { computed, skipped }: &Fading) {
         let (first, last) = (hundreds.first().copied().unwrap_or(0.0), hundreds.last().copied().unwrap_or(0.0));
         format!("{first:.3} ns a cell in the first hundred, {last:.3} in the last, {slowest:.3} in the slowest")
     };
-    println!("\nOne wall fading for 2000 iterations (n = 32, p = 3, one thread): {}", line(computed));
-    println!("The same with skipping: {}", line(skipped));
+    say!("\nOne wall fading for 2000 iterations (n = 32, p = 3, one thread): {}", line(computed));
+    say!("The same with skipping: {}", line(skipped));
 }
 
 /// Time over size of every loop that works on a whole level, cascaded scheme, a plot for each number of threads.
@@ -231,7 +231,7 @@ fn figure(rows: &[KernelRow]) -> Figure {
             y_label: "ns per cell and iteration".to_owned(),
             log_y: true,
             curves: curves.collect(),
-            marks: Vec::new(),
+            ..Plot::default()
         }
     });
     Figure {

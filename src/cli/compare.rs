@@ -3,13 +3,16 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use clap::builder::PossibleValuesParser;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
+use super::console::{self, say};
+use super::numbers::{decimal, whole};
 use super::output::Folder;
-use super::{CliError, SceneArgs};
+use super::{CliError, SceneArgs, course};
 use crate::report::table::{Table, Value};
 use crate::scene::Problem;
-use crate::study::compare::{self, Finding, PATIENCE, Reference};
+use crate::study::compare::{self, Finding, PATIENCE};
+use crate::study::expectation::Expectation;
 use crate::transport;
 use crate::transport::lattice::schemes;
 
@@ -30,17 +33,24 @@ pub struct CompareArgs {
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     schemes: Vec<String>,
     /// What errors are measured against
-    #[arg(long, default_value = "uniform", value_parser = PossibleValuesParser::new(Reference::ALL.map(Reference::name)))]
-    reference: String,
+    #[arg(long, default_value = Expectation::Merged.reference(), value_parser = reference())]
+    reference: Expectation,
     /// Propagation iterations, k
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", value_parser = whole, allow_negative_numbers = true)]
     iterations: Option<usize>,
     /// The propagation factor, p
-    #[arg(long, value_name = "P")]
+    #[arg(long, value_name = "P", value_parser = decimal, allow_negative_numbers = true)]
     factor: Option<f64>,
     /// The folder to write compare.csv to
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+}
+
+/// What merged light can be held against, by the name of what is expected.
+fn reference() -> impl TypedValueParser<Value = Expectation> {
+    let known = |name: &str| Expectation::of_merged_light().find(|one| one.reference() == name);
+    PossibleValuesParser::new(Expectation::of_merged_light().map(Expectation::reference))
+        .map(move |name| known(&name).unwrap_or(Expectation::Merged))
 }
 
 /// Does the command.
@@ -52,7 +62,7 @@ pub fn run(args: &CompareArgs) -> Result<(), CliError> {
     for name in &names {
         transport::known(name)?;
     }
-    let reference = Reference::ALL.into_iter().find(|r| r.name() == args.reference).unwrap_or_default();
+    let expectation = args.reference;
     let folder = args.out.clone().map(Folder::create).transpose()?;
     let mut csv = Table::new(CSV_COLUMNS);
     for (i, preset) in args.presets.iter().enumerate() {
@@ -64,27 +74,26 @@ pub fn run(args: &CompareArgs) -> Result<(), CliError> {
         };
         let (document, problem) = scene_args.load()?;
         let gap = if i == 0 { "" } else { "\n" };
-        println!(
+        say!(
             "{gap}{}: {}³, p = {}, k = {}, against {}",
-            if document.title.is_empty() { scene_args.stem() } else { document.title },
+            scene_args.title(&document),
             problem.size,
             problem.propagation.factor,
             problem.propagation.iterations,
-            reference.name()
+            expectation.reference()
         );
-        let truth = reference.of(&problem);
+        let references = course::references(&problem, &[expectation])?;
         let mut table = Table::new(TEXT_COLUMNS);
         for name in &names {
-            let finding = compare::run(&problem, name, &truth)?;
+            let Some(finding) = compare::run(&problem, name, expectation, &references)? else { continue };
             table.push(text_row(&finding));
-            csv.push(csv_row(&scene_args.stem(), &problem, reference, &finding));
+            csv.push(csv_row(&scene_args.stem(), &problem, expectation, &finding));
         }
-        print!("{}", table.to_text());
+        console::print(format_args!("{}", table.to_text()));
     }
     if let Some(folder) = folder {
-        let mut bytes = Vec::new();
-        csv.write_csv(&mut bytes).map_err(|e| CliError::Failed(format!("compare.csv: {e}")))?;
-        folder.write("compare.csv", bytes)?;
+        folder.write_table("compare.csv", &csv)?;
+        folder.finish();
     }
     Ok(())
 }
@@ -148,7 +157,7 @@ const CSV_COLUMNS: [&str; 23] = [
     "ms_per_iteration",
 ];
 
-fn csv_row(preset: &str, problem: &Problem, reference: Reference, finding: &Finding) -> [Value; 23] {
+fn csv_row(preset: &str, problem: &Problem, expectation: Expectation, finding: &Finding) -> [Value; 23] {
     let [x, y, z] = finding.centroid;
     let error = finding.error;
     let empty = || Value::Text(String::new());
@@ -158,7 +167,7 @@ fn csv_row(preset: &str, problem: &Problem, reference: Reference, finding: &Find
         problem.size.into(),
         problem.propagation.factor.into(),
         problem.propagation.iterations.into(),
-        reference.name().into(),
+        expectation.reference().into(),
         error.absolute_mean.into(),
         error.absolute_max.into(),
         error.relative_mean.into(),

@@ -6,64 +6,84 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::CliError;
+use super::console::say;
 use crate::scene::Problem;
 use crate::simulation::Simulation;
-use crate::study::ballistic;
-use crate::study::error::{self, ErrorRow};
-use crate::study::reference;
-use crate::transport::ballistic::Ballistic;
+use crate::study::error::ErrorRow;
+use crate::study::expectation::{Expectation, References};
+use crate::system::{interrupt, memory};
 
 /// What a run was found to do.
 pub struct Course {
-    /// Every metric after every iteration.
+    /// Every error after every iteration.
     pub rows: Vec<ErrorRow>,
     /// Seconds that all actions took, measuring aside.
     pub seconds: f64,
+    /// Whether Ctrl-C ended it early.
+    pub interrupted: bool,
 }
 
-/// Computes what truly arrives in a scene, with a bar on a terminal.
-pub fn truth(problem: &Problem) -> Result<Ballistic, CliError> {
-    let bar = bar(1000, "{bar:40} {percent} % of the straight lines, {eta} left");
-    let truth = Ballistic::new(problem, &|done| {
-        bar.set_position((done * 1000.0) as u64);
-        true
-    });
-    bar.finish_and_clear();
-    truth.ok_or_else(|| CliError::Failed("the straight lines were given up".to_owned()))
+/// Computes what expectations need of a scene, with a bar on a terminal.
+pub fn references(problem: &Problem, expectations: &[Expectation]) -> Result<References, CliError> {
+    let mut references = References::default();
+    for expectation in expectations {
+        let bar = bar(1000, "{bar:40} {percent} % of what truly arrives, {eta} left");
+        let progress = |done: f64| {
+            bar.set_position((done * 1000.0) as u64);
+            !interrupt::asked()
+        };
+        expectation.prepare(problem, &mut references, &progress);
+        bar.finish_and_clear();
+        if !expectation.is_ready(&references) {
+            let why = "interrupted before the run began: nothing is written";
+            return Err(CliError::Interrupted(why.to_owned()));
+        }
+    }
+    Ok(references)
 }
 
-/// Runs the scene, printing a line for every iteration. Errors are those of the octree against itself and
-/// against the uniform volume, and against `truth` where it is given.
-pub fn run(simulation: &mut Simulation<f32>, truth: Option<&Ballistic>) -> Course {
+/// Grids of the finest level that measuring takes for each channel, beside the light itself: the uniform volume, the
+/// merged light, and their difference.
+const MEASURING: u64 = 3;
+
+/// Refuses what could be run and not be measured, before the run.
+fn check_room(simulation: &Simulation<f32>) -> Result<(), CliError> {
+    let grid = 16 * (simulation.sizes().finest() as u64).pow(3);
+    let needed = MEASURING * grid * simulation.channels().count() as u64;
+    let Some(free) = memory::free().filter(|free| needed > *free) else { return Ok(()) };
+    let (needed, free) = (memory::in_words(needed), memory::in_words(free));
+    Err(CliError::Input(format!(
+        "measuring the light needs {needed} of memory beside it, and {free} are free; use a smaller size"
+    )))
+}
+
+/// Runs the scene, printing a line for every iteration. The light is held against every expectation that the
+/// references are ready for.
+pub fn run(simulation: &mut Simulation<f32>, references: &References) -> Result<Course, CliError> {
+    check_room(simulation)?;
     let iterations = simulation.problem().propagation.iterations;
     let bar = bar(iterations as u64, "{bar:40} iteration {pos} of {len}, {eta} left");
-    println!("{}", LINE_HEAD);
+    say!("{}", LINE_HEAD);
     let (mut rows, mut aside) = (Vec::new(), 0.0);
     let started = Instant::now();
     simulation.run(|now| {
         let began = Instant::now();
-        let errors = measure(now, truth);
-        bar.suspend(|| println!("{}", line(now, &errors[0])));
+        let errors = measure(now, references);
+        bar.suspend(|| say!("{}", line(now, &errors[0])));
         rows.extend(errors);
         bar.set_position(now.iteration() as u64);
         aside += began.elapsed().as_secs_f64();
-        true
+        !interrupt::asked()
     });
     bar.finish_and_clear();
     let seconds = started.elapsed().as_secs_f64() - aside;
-    Course { rows, seconds }
+    let interrupted = interrupt::asked() && simulation.iteration() < iterations;
+    Ok(Course { rows, seconds, interrupted })
 }
 
-/// Every metric of the present iteration, the thesis's over all levels first.
-fn measure(now: &Simulation<f32>, truth: Option<&Ballistic>) -> Vec<ErrorRow> {
-    let uniform = reference::uniform(now);
-    let mut rows = error::thesis(now);
-    rows.extend(error::corrected(now, &uniform));
-    rows.push(error::merged(now, &uniform));
-    if let Some(truth) = truth {
-        rows.push(ballistic::error(now, truth));
-    }
-    rows
+/// The errors of the present iteration, the thesis's over all levels first.
+fn measure(now: &Simulation<f32>, references: &References) -> Vec<ErrorRow> {
+    Expectation::ALL.into_iter().flat_map(|expectation| expectation.rows(now, references)).collect()
 }
 
 const LINE_HEAD: &str = "iteration   energy left      abs mean       abs max      rel mean       rel max  undefined";

@@ -5,11 +5,18 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::CliError;
+use super::console::remark;
+use super::numbers::{decimal, whole};
+use crate::scene::doubts::doubts;
 use crate::scene::preset::LONGEST;
 use crate::scene::propagation::Policy;
 use crate::scene::propagation::ordinates::Rule;
-use crate::scene::{Preset, Problem, builtin, file};
+use crate::scene::{Preset, Problem, SceneError, builtin, file};
+use crate::system::text::{nearest, one_line, shortened};
 use crate::transport::preset;
+
+/// The most characters of a title that are printed.
+const LONGEST_TITLE: usize = 100;
 
 /// A preset and what is to be different from what it says.
 #[derive(Args, Debug, Clone, Default)]
@@ -17,25 +24,25 @@ pub struct SceneArgs {
     /// The preset: a file, or the name of a built-in one
     pub preset: PathBuf,
     /// Propagation iterations, k
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", value_parser = whole, allow_negative_numbers = true)]
     pub iterations: Option<usize>,
     /// The propagation scheme: one that `lpv-lab schemes` lists, or `ordinates`
     #[arg(long, value_name = "NAME")]
     pub scheme: Option<String>,
     /// The propagation factor, p
-    #[arg(long, value_name = "P")]
+    #[arg(long, value_name = "P", value_parser = decimal, allow_negative_numbers = true)]
     pub factor: Option<f64>,
     /// How the operator follows from the octree level: same, one factor for all; consistent, levels that agree
     #[arg(long, value_name = "POLICY", value_parser = policy)]
     pub levels: Option<Policy>,
     /// About how many directions the propagator `ordinates` has
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
     pub directions: Option<usize>,
     /// How ordinates share light among a cell's far faces: donor, all alike; faces, by the face it came in by
     #[arg(long, value_name = "RULE", value_parser = rule)]
     pub rule: Option<Rule>,
     /// The side of the coarsest octree level
-    #[arg(long, value_name = "SIDE")]
+    #[arg(long, value_name = "SIDE", value_parser = whole, allow_negative_numbers = true)]
     pub coarsest: Option<usize>,
     /// Let faces carry negative flux
     #[arg(long)]
@@ -45,7 +52,7 @@ pub struct SceneArgs {
 impl SceneArgs {
     /// The preset as changed by the other arguments, and the scene it makes.
     pub fn load(&self) -> Result<(Preset, Problem), CliError> {
-        let Opened { mut preset, text, folder } = open(&self.preset)?;
+        let Opened { mut preset, text, folder, .. } = open(&self.preset)?;
         let propagation = &mut preset.propagation;
         if let Some(iterations) = self.iterations {
             propagation.iterations = iterations;
@@ -74,12 +81,21 @@ impl SceneArgs {
         // What the file says was right when it was opened, so a fault here is the command line's.
         preset::check(&preset).map_err(|fault| CliError::Input(format!("the command line: {fault}")))?;
         let problem = Problem::build(&preset, &folder).map_err(|error| error.at_its_place(&text, &self.preset))?;
+        for doubt in doubts(&preset, &problem) {
+            remark!("warning: {}", SceneError::from(doubt).at_its_place(&text, &self.preset));
+        }
         Ok((preset, problem))
     }
 
-    /// A name for what the preset makes: its file name without the ending.
+    /// What people see of the preset in a line: its title, or its file's name.
+    pub fn title(&self, preset: &Preset) -> String {
+        let title = if preset.title.is_empty() { self.stem() } else { preset.title.clone() };
+        shortened(&one_line(&title), LONGEST_TITLE)
+    }
+
+    /// A name for what the preset makes: its file name without the ending, fit to be shown.
     pub fn stem(&self) -> String {
-        self.preset.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+        one_line(&self.preset.file_stem().unwrap_or_default().to_string_lossy())
     }
 }
 
@@ -99,18 +115,37 @@ pub struct Opened {
     pub preset: Preset,
     /// The text it was read from.
     pub text: String,
+    /// The file it was read from, unless it is built in.
+    pub file: Option<PathBuf>,
     /// The folder that its paths are relative to.
     pub folder: PathBuf,
 }
 
-/// Reads a preset from a file, or a built-in one by its name.
+/// Reads a preset from a file, or a built-in one by its name. A folder of that name does not hide it.
+///
+/// # Errors
+/// Where there is neither, or the text is no preset.
 pub fn open(path: &Path) -> Result<Opened, CliError> {
-    if let Some(text) = path.to_str().and_then(builtin::find).filter(|_| !path.exists()) {
+    let there = path.exists();
+    let built_in = path.to_str().and_then(builtin::find);
+    if let Some(text) = built_in.filter(|_| !there || path.is_dir()) {
         let preset = preset::parse(text, path)?;
-        let folder = builtin::folder().map_err(|e| CliError::Failed(format!("the built-in presets' files: {e}")))?;
-        return Ok(Opened { preset, text: text.to_owned(), folder });
+        let folder =
+            builtin::folder_of(text).map_err(|e| CliError::Failed(format!("the built-in preset's files: {e}")))?;
+        return Ok(Opened { preset, text: text.to_owned(), file: None, folder });
+    }
+    if let Some(meant) = path.to_str().filter(|_| !there).and_then(mistyped) {
+        return Err(CliError::Input(meant));
     }
     let text = file::read_text(path, LONGEST)?;
     let preset = preset::parse(&text, path)?;
-    Ok(Opened { preset, text, folder: path.parent().unwrap_or(Path::new("")).to_path_buf() })
+    let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+    Ok(Opened { preset, text, file: Some(path.to_path_buf()), folder })
+}
+
+/// What is wrong with a name that is nearly a built-in preset's.
+fn mistyped(name: &str) -> Option<String> {
+    let known: Vec<&str> = builtin::PRESETS.iter().map(|(name, _)| *name).collect();
+    let meant = nearest(name, &known)?;
+    Some(format!("{}: no such file, and no built-in preset; did you mean `{meant}`?", shortened(name, 60)))
 }

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::CliError;
+use super::console::say;
 use crate::scene::builtin;
-use crate::scene::file::write_whole;
+use crate::system::file::write_whole;
 use crate::transport::preset;
 
 /// Where to write them, if anywhere.
@@ -24,21 +25,21 @@ pub fn run(args: &PresetsArgs) -> Result<(), CliError> {
         let width = builtin::PRESETS.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
         for (name, text) in builtin::PRESETS {
             let preset = preset::parse(text, Path::new(name))?;
-            println!("{name:width$}  {:>3}³  {}", preset.size, preset.title);
+            say!("{name:width$}  {:>3}³  {}", preset.size, preset.title);
         }
         return Ok(());
     };
     for (path, text) in builtin::files() {
         let path = folder.join(path);
         if path.exists() {
-            println!("{}: kept", path.display());
+            say!("{}: kept", path.display());
             continue;
         }
         let parent = path.parent().unwrap_or(folder);
         std::fs::create_dir_all(parent).map_err(|e| CliError::cannot_write(parent, e))?;
         // Whole or not at all: a part of a file would be kept the next time.
         write_whole(&path, text.as_bytes()).map_err(|e| CliError::Failed(e.to_string()))?;
-        println!("{}", path.display());
+        say!("{}", path.display());
     }
     Ok(())
 }

@@ -5,6 +5,7 @@ use std::io::IsTerminal;
 use indicatif::ProgressBar;
 
 use super::CliError;
+use super::console::{self, say};
 use super::output::Folder;
 use crate::report::table::Table;
 use crate::study::race::{self, Plan};
@@ -54,7 +55,7 @@ pub fn run(sizes: Vec<usize>, rounds: usize, folder: &Folder) -> Result<(), CliE
             row.found.residual.into(),
         ]);
     }
-    println!("\nThe fixed point, iterated to and solved for, to a relative residual of {TOLERANCE:e}:");
-    print!("{}", table.to_text());
+    say!("\nThe fixed point, iterated to and solved for, to a relative residual of {TOLERANCE:e}:");
+    console::print(format_args!("{}", table.to_text()));
     folder.write_table("converged.csv", &table)
 }

@@ -6,19 +6,22 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::cells::LevelArg;
+use super::console::{remark, say};
 use super::course::{self, Course};
-use super::output::Folder;
+use super::output::{self, Folder};
 use super::{CliError, SceneArgs};
 use crate::report::colour::{Paint, Theme};
-use crate::report::error_plot::ErrorPlot;
+use crate::report::error_figure::{ErrorFigure, Measure, Series};
 use crate::report::glyph::Hue;
 use crate::report::picture::{Panel, Picture};
 use crate::report::slice::{Axis, Plane, Slice};
 use crate::report::table;
 use crate::simulation::options::{Options, Skip};
 use crate::simulation::{Light, Simulation};
-use crate::study::error::{ErrorRow, Metric};
+use crate::study::error::ErrorRow;
+use crate::study::expectation::Expectation;
 use crate::study::stability::outlook;
+use crate::system::interrupt;
 
 /// What to run, what to look at, where to write.
 #[derive(Args, Debug, Clone)]
@@ -150,7 +153,7 @@ impl RunArgs {
 
     /// The folder for the results.
     pub fn out(&self) -> PathBuf {
-        self.out.clone().unwrap_or_else(|| Path::new("lpv-lab-results").join(self.scene.stem()))
+        output::results_of(self.out.as_deref(), &self.scene.preset)
     }
 }
 
@@ -185,20 +188,25 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let (preset, problem) = args.scene.load()?;
     let plane = plane(args.slice, problem.size, |axis| problem.brightest_slab(axis))?;
     if let Some(warning) = outlook::warning(&problem) {
-        eprintln!("lpv-lab: warning: {warning}");
+        remark!("warning: {warning}");
     }
     let mut simulation = Simulation::<f32>::with_options(problem, args.options()?)?;
     LevelArg::Level(args.level).check(simulation.sizes().count())?;
-    let folder = Folder::create(args.out())?;
-    let truth = if args.ballistic { Some(course::truth(simulation.problem())?) } else { None };
-    let Course { rows, seconds } = course::run(&mut simulation, truth.as_ref());
+    let folder = Folder::of_preset(args.out.as_deref(), &args.scene.preset)?;
+    interrupt::listen();
+    let wanted: &[Expectation] = if args.ballistic { &[Expectation::Ballistic] } else { &[] };
+    let references = course::references(simulation.problem(), wanted)?;
+    let Course { rows, seconds, interrupted } = course::run(&mut simulation, &references)?;
 
     let title = if preset.title.is_empty() { args.scene.stem() } else { preset.title.clone() };
     folder.write_table("errors.csv", &table::errors(&rows))?;
     let all_levels: Vec<ErrorRow> = rows.iter().filter(|row| row.level.is_none()).copied().collect();
-    let plot = ErrorPlot {
+    let plot = ErrorFigure {
         title: &format!("{title}: error after each iteration"),
-        rows: &all_levels,
+        series: &Series::of_run(&all_levels),
+        measures: &[Measure::Absolute, Measure::Relative],
+        means: true,
+        largest: true,
         log: args.axis == ScaleArg::Log,
         current: None,
         theme: args.theme.theme(),
@@ -212,7 +220,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     }
 
     let propagation = &simulation.problem().propagation;
-    let thesis = all_levels.iter().rev().find(|row| row.metric == Metric::Thesis);
+    let thesis = all_levels.iter().rev().find(|row| row.expectation == Expectation::Thesis);
     let summary = Summary {
         title: &title,
         size: simulation.sizes().finest(),
@@ -233,7 +241,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let text = ron::ser::to_string_pretty(&summary, ron::ser::PrettyConfig::new())
         .map_err(|e| CliError::Failed(format!("summary.ron: {e}")))?;
     folder.write("summary.ron", text.as_bytes())?;
-    println!(
+    say!(
         "{} iterations in {seconds:.3} s, {}, {}; results in {}",
         simulation.iteration(),
         simulation.work(),
@@ -244,10 +252,20 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         folder.path().display()
     );
     if let Some(bound) = simulation.still_to_come() {
-        println!("light still to come: at most {bound:.2e} of what has been accumulated");
+        say!("light still to come: at most {bound:.2e} of what has been accumulated");
     }
+    let path = folder.path().to_path_buf();
+    folder.finish();
     // What was computed before is written all the same: it is good.
-    simulation.divergence().map_or(Ok(()), |divergence| Err(divergence.into()))
+    if let Some(divergence) = simulation.divergence() {
+        return Err(divergence.into());
+    }
+    if interrupted {
+        let (done, asked) = (simulation.iteration(), simulation.problem().propagation.iterations);
+        let what = format!("interrupted after iteration {done} of {asked}: what was computed is in {}", path.display());
+        return Err(CliError::Interrupted(what));
+    }
+    Ok(())
 }
 
 /// The slice asked for, or the one across z in which most light is injected.

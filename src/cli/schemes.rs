@@ -3,6 +3,7 @@
 use clap::Args;
 
 use super::CliError;
+use super::console::{self, say};
 use crate::report::table::{Table, Value};
 use crate::study::stability;
 use crate::transport::lattice::schemes;
@@ -37,11 +38,11 @@ pub fn run(args: &SchemesArgs) -> Result<(), CliError> {
             critical(4),
         ]);
     }
-    print!("{}", table.to_text());
+    console::print(format_args!("{}", table.to_text()));
     if args.long {
         for scheme in schemes::all() {
-            println!("\n{}: {}", scheme.name, scheme.summary);
-            println!("  source: {}\n  flaws: {}", scheme.source, scheme.flaws);
+            say!("\n{}: {}", scheme.name, scheme.summary);
+            say!("  source: {}\n  flaws: {}", scheme.source, scheme.flaws);
         }
     }
     Ok(())

@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use indicatif::ProgressBar;
 
+use super::console::say;
+use super::numbers::decimal;
 use super::output::Folder;
 use super::{CliError, SceneArgs};
 use crate::report::colour::Theme;
@@ -32,7 +34,7 @@ pub struct StabilityArgs {
     /// A preset, or the name of a built-in one: what becomes of its levels at its own factor
     preset: Option<PathBuf>,
     /// Look at the preset with this factor instead
-    #[arg(long, value_name = "P", requires = "preset")]
+    #[arg(long, value_name = "P", requires = "preset", value_parser = decimal, allow_negative_numbers = true)]
     factor: Option<f64>,
     /// The sides of the volumes, powers of two up to 64
     #[arg(long, value_name = "N,N", value_delimiter = ',', default_values_t = [2, 4, 8, 16])]
@@ -74,13 +76,13 @@ pub fn run(args: &StabilityArgs) -> Result<(), CliError> {
         print_outlook(&scene.load()?.1);
     }
     let critical = critical_factors(&args.sizes);
-    println!("Critical factors: above them light grows without bound\n\n{}", critical.to_text());
+    say!("Critical factors: above them light grows without bound\n\n{}", critical.to_text());
     let drifts = long_runs(args)?;
     let drift = drift_table(&drifts);
-    println!("Single precision against double, relative\n\n{}", last_rows(&drifts).to_text());
+    say!("Single precision against double, relative\n\n{}", last_rows(&drifts).to_text());
     let outcome = random_scenes(args);
     let rules = rules_table(&outcome);
-    println!(
+    say!(
         "Random scenes of seed {}: {} scenes, {} iterations, {} stopped before they overflowed\n\n{}",
         args.seed,
         outcome.scenes,
@@ -93,9 +95,11 @@ pub fn run(args: &StabilityArgs) -> Result<(), CliError> {
         folder.write_table("drift.csv", &drift)?;
         folder.write_table("rules.csv", &rules)?;
         folder.write_svg_and_png("drift", &drift_figure(args, &drifts).to_svg())?;
-        println!("Results in {}", folder.path().display());
+        say!("Results in {}", folder.path().display());
     }
-    save_findings(args.seed, &outcome, folder.as_ref().map_or(Path::new(""), Folder::path))
+    save_findings(args.seed, &outcome, folder.as_ref())?;
+    folder.into_iter().for_each(Folder::finish);
+    Ok(())
 }
 
 /// Tries the random scenes, with a bar where somebody watches.
@@ -120,11 +124,20 @@ fn rules_table(outcome: &Outcome) -> Table<3> {
 }
 
 /// Saves what broke a rule; the command failed if anything did.
-fn save_findings(seed: u64, outcome: &Outcome, folder: &Path) -> Result<(), CliError> {
+fn save_findings(seed: u64, outcome: &Outcome, folder: Option<&Folder>) -> Result<(), CliError> {
     for finding in &outcome.findings {
-        let path = folder.join(format!("broken-{seed}-{}.ron", finding.scene));
-        finding.preset.save(&path).map_err(|e| CliError::Failed(e.to_string()))?;
-        println!("{}: {}", path.display(), finding.broken);
+        let name = format!("broken-{seed}-{}.ron", finding.scene);
+        let path = match folder {
+            Some(folder) => {
+                folder.write(&name, finding.preset.to_ron())?;
+                folder.path().join(name)
+            }
+            None => {
+                finding.preset.save(Path::new(&name)).map_err(|e| CliError::Failed(e.to_string()))?;
+                PathBuf::from(name)
+            }
+        };
+        say!("{}: {}", path.display(), finding.broken);
     }
     match outcome.findings.len() {
         0 => Ok(()),
@@ -136,7 +149,7 @@ fn save_findings(seed: u64, outcome: &Outcome, folder: &Path) -> Result<(), CliE
 fn print_outlook(problem: &Problem) {
     if let Some(kind) = transport::find(&problem.propagation.scheme).filter(|kind| !kind.can.grows) {
         let longest = 3 * problem.size - 2;
-        println!("{} have no critical factor: light leaves the volume within {longest} iterations", kind.name);
+        say!("{} have no critical factor: light leaves the volume within {longest} iterations", kind.name);
         return;
     }
     let mut table = Table::new(["level", "side", "critical factor", "growth an iteration", "overflow about iteration"]);
@@ -146,7 +159,7 @@ fn print_outlook(problem: &Problem) {
         table.push([level.level.into(), level.side.into(), level.critical.into(), level.growth.into(), overflow]);
     }
     let propagation = &problem.propagation;
-    println!("{} at factor {}\n\n{}", propagation.scheme, propagation.factor, table.to_text());
+    say!("{} at factor {}\n\n{}", propagation.scheme, propagation.factor, table.to_text());
 }
 
 /// Every scheme at every size, with the gains it has and the factors it bears.
@@ -255,7 +268,7 @@ fn drift_figure(args: &StabilityArgs, drifts: &[Drift]) -> Figure {
         y_label: "relative difference".to_owned(),
         log_y: true,
         curves: curves.collect(),
-        marks: Vec::new(),
+        ..Plot::default()
     };
     Figure {
         title: "Single precision against double".to_owned(),

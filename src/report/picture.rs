@@ -9,7 +9,7 @@ use super::glyph::{self, GlyphScale, Glyphs, Hue, Outline};
 use super::legend::{LEADING, Legend};
 use super::raster::{self, RasterError};
 use super::slice::{Axis, Slice};
-use super::svg::{Anchor, PathData, Stroke, Svg, Type};
+use super::svg::{Anchor, PathData, Stroke, Svg, Type, fitted};
 use plan::{MARGIN, Plan};
 
 /// One slice in a picture.
@@ -95,8 +95,8 @@ impl Picture<'_> {
         let mut svg = Svg::new(width, plan.height, self.theme.ground, self.title);
         let set = |size: f64, color: Rgb| Type { size: size * em, color, anchor: Anchor::Start };
         let (margin, room) = (MARGIN * em, width - 2.0 * MARGIN * em);
-        let title = set(1.5, self.theme.ink).fitting(self.title, room);
-        svg.text([margin, margin + 1.1 * em], self.title, title);
+        let (title, type_of_title) = fitted(self.title, set(1.5, self.theme.ink), room);
+        svg.text([margin, margin + 1.1 * em], &title, type_of_title);
         svg.lines([margin, margin + 2.8 * em], &plan.subtitle, set(1.0, self.theme.muted), LEADING * em, room);
         for (i, panel) in self.panels.iter().enumerate() {
             let (corner, side) = (plan.corner(i), plan.side);

@@ -1,9 +1,9 @@
 //! Curves as a figure for a paper: one or more plots above each other, as SVG or PNG.
 
 use super::axis::Axis;
-use super::colour::Theme;
+use super::colour::{Rgb, Theme};
 use super::raster::{self, RasterError};
-use super::svg::{Anchor, PathData, Stroke, Svg, Type, text_width};
+use super::svg::{Anchor, PathData, Stroke, Svg, Type, fitted, text_width};
 
 /// How a curve is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -16,7 +16,30 @@ pub enum Dash {
     /// In dots.
     Dotted,
     /// Only its points.
-    Points,
+    Points(Shape),
+}
+
+/// What a point is drawn as.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shape {
+    /// A full circle.
+    #[default]
+    Disc,
+    /// A full square.
+    Square,
+    /// A full triangle that points up.
+    Triangle,
+    /// Two lines.
+    Cross,
+}
+
+/// What a shape stands for, where colours stand for something else.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Key {
+    /// The shape.
+    pub shape: Shape,
+    /// What it says.
+    pub text: String,
 }
 
 /// A curve: points in the order in which they are joined.
@@ -51,10 +74,14 @@ pub struct Plot {
     pub x_label: String,
     /// What y is, with its unit.
     pub y_label: String,
+    /// Whether x goes by powers of ten.
+    pub log_x: bool,
     /// Whether y goes by powers of ten.
     pub log_y: bool,
     /// The curves, the first on top of the others.
     pub curves: Vec<Curve>,
+    /// What the shapes of points stand for.
+    pub keys: Vec<Key>,
     /// Places to point out.
     pub marks: Vec<Mark>,
 }
@@ -94,12 +121,16 @@ impl Figure {
         let mut svg = Svg::new(width, height, self.theme.ground, &self.title);
         let mut top = margin;
         if !self.title.is_empty() {
-            let title = set(1.4, self.theme.ink, Anchor::Start).fitting(&self.title, width - 2.0 * margin);
-            svg.text([margin, top + 1.1 * em], &self.title, title);
+            let (title, type_of_title) =
+                fitted(&self.title, set(1.4, self.theme.ink, Anchor::Start), width - 2.0 * margin);
+            svg.text([margin, top + 1.1 * em], &title, type_of_title);
             top += 2.2 * em;
         }
-        let names = self.plots.iter().flat_map(|plot| &plot.curves).map(|curve| text_width(&curve.name, em));
-        let widest = names.fold(0.0, f64::max);
+        let names = self
+            .plots
+            .iter()
+            .flat_map(|plot| plot.curves.iter().map(|curve| &curve.name).chain(plot.keys.iter().map(|key| &key.text)));
+        let widest = names.map(|name| text_width(name, em)).fold(0.0, f64::max);
         let beside = if widest > 0.0 && !narrow { (widest + 4.2 * em).min(0.36 * width) } else { 0.0 };
         let below = self.legends(if narrow { width - 2.0 * margin } else { f64::INFINITY }, em);
         let lines = if narrow { below.iter().map(Vec::len).sum::<usize>() as f64 } else { 0.0 };
@@ -152,9 +183,9 @@ impl Figure {
         let ([left, top], [width, height]) = (frame.corner, frame.size);
         let (right, bottom) = (left + width, top + height);
         let set = |size: f64, color, anchor| Type { size: size * em, color, anchor };
-        let title = set(1.1, theme.ink, Anchor::Start).fitting(&plot.title, width);
+        let (title, type_of_title) = fitted(&plot.title, set(1.1, theme.ink, Anchor::Start), width);
         let above = if plot.marks.is_empty() { 0.7 * em } else { 1.9 * em };
-        svg.text([left, top - above], &plot.title, title);
+        svg.text([left, top - above], &title, type_of_title);
         let (thin, thick) = ((0.06 * em).max(0.5), (0.09 * em).max(0.75));
         for tick in frame.axes[1].ticks((height / (2.6 * em)) as usize) {
             let y = bottom - height * frame.axes[1].share(tick.value);
@@ -188,8 +219,10 @@ impl Figure {
         let mut legends = Vec::new();
         for plot in &self.plots {
             let named = plot.curves.iter().filter(|curve| !curve.name.is_empty());
-            let entries: Vec<Entry> =
-                named.map(|curve| Entry { name: &curve.name, color: curve.color, dash: curve.dash }).collect();
+            let named = named.map(|curve| Entry { name: &curve.name, color: Some(curve.color), dash: curve.dash });
+            let keys =
+                plot.keys.iter().map(|key| Entry { name: &key.text, color: None, dash: Dash::Points(key.shape) });
+            let entries: Vec<Entry> = named.chain(keys).collect();
             let mut rows: Vec<Vec<Entry>> = Vec::new();
             if entries != explained {
                 explained.clone_from(&entries);
@@ -212,9 +245,10 @@ impl Figure {
     }
 
     fn draw_entry(&self, svg: &mut Svg, entry: &Entry, [x, y]: [f64; 2], width: f64, em: f64) {
+        let color = entry.color.map_or(self.theme.muted, |color| self.theme.curve(color));
         match entry.dash {
-            Dash::Points => svg.disc([x + em, y], 0.3 * em, self.theme.curve(entry.color)),
-            dash => svg.line([x, y], [x + 2.0 * em, y], stroke(&self.theme, entry.color, dash, em)),
+            Dash::Points(shape) => draw_point(svg, shape, [x + em, y], 0.3 * em, color),
+            dash => svg.line([x, y], [x + 2.0 * em, y], stroke(color, dash, em)),
         }
         let set = Type { size: em, color: self.theme.ink, anchor: Anchor::Start };
         svg.text([x + 2.5 * em, y + 0.34 * em], entry.name, set.fitting(entry.name, width - 2.5 * em));
@@ -225,7 +259,8 @@ impl Figure {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Entry<'a> {
     name: &'a str,
-    color: usize,
+    /// None where only the shape counts.
+    color: Option<usize>,
     dash: Dash,
 }
 
@@ -241,18 +276,20 @@ impl Plot {
     fn axes(&self) -> [Axis; 2] {
         let points = || self.curves.iter().flat_map(|curve| &curve.points);
         // An x whose y has no place counts as well: linear and logarithmic plots have the same x axis.
-        [Axis::tight(points().map(|[x, _]| *x)), Axis::rounded(points().map(|[_, y]| *y), self.log_y)]
+        let x = points().map(|[x, _]| *x);
+        let x = if self.log_x { Axis::rounded(x, true) } else { Axis::tight(x) };
+        [x, Axis::rounded(points().map(|[_, y]| *y), self.log_y)]
     }
 
     /// How many whole steps x spans, if every x is whole: there are no halves of an iteration.
     fn whole_steps(&self) -> Option<usize> {
         let all = || self.curves.iter().flat_map(|curve| curve.points.iter().map(|[x, _]| *x));
         let (low, high) = all().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-        (high > low && all().all(|x| x.fract() == 0.0)).then_some((high - low) as usize)
+        (!self.log_x && high > low && all().all(|x| x.fract() == 0.0)).then_some((high - low) as usize)
     }
 
     fn shows(&self, &[x, y]: &[f64; 2]) -> bool {
-        Axis::shows(x, false) && Axis::shows(y, self.log_y)
+        Axis::shows(x, self.log_x) && Axis::shows(y, self.log_y)
     }
 }
 
@@ -277,19 +314,23 @@ impl Frame<'_> {
         self.draw_marks(svg, plot, theme);
         for curve in plot.curves.iter().rev() {
             let mut path = PathData::default();
+            let color = theme.curve(curve.color);
             for run in curve.points.split(|point| !plot.shows(point)) {
                 for (i, point) in run.iter().map(|point| self.place(point)).enumerate() {
                     if i == 0 { path.start(point) } else { path.to(point) }
                 }
                 // A point between two gaps has no line to show it.
-                if run.len() == 1 || curve.points.len() <= DOTTED_UP_TO || curve.dash == Dash::Points {
-                    let radius = if curve.dash == Dash::Points { 0.3 } else { 0.2 } * self.em;
-                    let dots = run.iter().map(|point| self.place(point));
-                    dots.for_each(|at| svg.disc(at, radius, theme.curve(curve.color)));
+                let dots = run.iter().map(|point| self.place(point));
+                match curve.dash {
+                    Dash::Points(shape) => dots.for_each(|at| draw_point(svg, shape, at, 0.3 * self.em, color)),
+                    _ if run.len() == 1 || curve.points.len() <= DOTTED_UP_TO => {
+                        dots.for_each(|at| svg.disc(at, 0.2 * self.em, color));
+                    }
+                    _ => {}
                 }
             }
-            if curve.dash != Dash::Points {
-                svg.outline(path.as_str(), stroke(theme, curve.color, curve.dash, self.em));
+            if !matches!(curve.dash, Dash::Points(_)) {
+                svg.outline(path.as_str(), stroke(color, curve.dash, self.em));
             }
         }
         if !plot.curves.iter().flat_map(|curve| &curve.points).any(|point| plot.shows(point)) {
@@ -316,13 +357,33 @@ impl Frame<'_> {
     }
 }
 
-fn stroke(theme: &Theme, color: usize, dash: Dash, em: f64) -> Stroke {
+/// A point of a shape that reaches about `radius` from its middle.
+fn draw_point(svg: &mut Svg, shape: Shape, [x, y]: [f64; 2], radius: f64, color: Rgb) {
+    let corner = |right: f64, down: f64| [x + radius * right, y + radius * down];
+    let mut path = PathData::default();
+    match shape {
+        Shape::Disc => return svg.disc([x, y], radius, color),
+        Shape::Square => {
+            path.polygon([corner(-0.9, -0.9), corner(0.9, -0.9), corner(0.9, 0.9), corner(-0.9, 0.9)]);
+        }
+        Shape::Triangle => path.polygon([corner(0.0, -1.2), corner(1.1, 0.8), corner(-1.1, 0.8)]),
+        Shape::Cross => {
+            for [from, to] in [[corner(-1.0, -1.0), corner(1.0, 1.0)], [corner(-1.0, 1.0), corner(1.0, -1.0)]] {
+                svg.line(from, to, Stroke::solid(color, 0.5 * radius));
+            }
+            return;
+        }
+    }
+    svg.shape(path.as_str(), color);
+}
+
+fn stroke(color: Rgb, dash: Dash, em: f64) -> Stroke {
     let dashes: &[f64] = match dash {
-        Dash::Solid | Dash::Points => &[],
+        Dash::Solid | Dash::Points(_) => &[],
         Dash::Dashed => &[6.0, 4.0],
         Dash::Dotted => &[1.5, 3.0],
     };
-    Stroke { color: theme.curve(color), width: (0.14 * em).max(1.0), dashes }
+    Stroke { color, width: (0.14 * em).max(1.0), dashes }
 }
 
 #[cfg(test)]
@@ -406,7 +467,7 @@ mod tests {
     #[test]
     fn points_are_not_joined() {
         let points = (0..50).map(|k| [f64::from(k), f64::from(k)]).collect();
-        let curve = Curve { name: "ways".to_owned(), points, color: 0, dash: Dash::Points };
+        let curve = Curve { name: "ways".to_owned(), points, color: 0, dash: Dash::Points(Shape::Disc) };
         let svg = figure(Plot { curves: vec![curve], ..Plot::default() }).to_svg();
         // Fifty, and the one in the legend.
         assert_eq!(drawn(&svg, "cx").len(), 51);

@@ -1,12 +1,11 @@
-//! SVG text to PNG bytes, with the fonts that the lab brings along: the same picture on every machine.
+//! SVG text to PNG bytes, with the fonts that the lab brings along: the same picture on every machine, but for
+//! characters that only a font of the system's has (see [`fonts`]).
 
-use std::sync::{Arc, OnceLock};
-
-use epaint_default_fonts::{HACK_REGULAR, UBUNTU_LIGHT};
 use resvg::tiny_skia::{Pixmap, Transform};
-use resvg::usvg::fontdb::Database;
 use resvg::usvg::{self, Options, Tree};
 use thiserror::Error;
+
+use super::fonts;
 
 /// The family that text is set in, and the one to look for its missing characters in.
 pub const FONTS: &str = "Ubuntu, Hack, sans-serif";
@@ -68,15 +67,12 @@ pub fn pixels(svg: &str, pixels_each: f32) -> Result<Pixmap, RasterError> {
 
 /// The picture as a tree of shapes, its text already turned into outlines.
 fn tree(svg: &str) -> Result<Tree, usvg::Error> {
-    static DATABASE: OnceLock<Arc<Database>> = OnceLock::new();
-    let fontdb = DATABASE.get_or_init(|| {
-        let mut fonts = Database::new();
-        fonts.load_font_data(UBUNTU_LIGHT.to_vec());
-        fonts.load_font_data(HACK_REGULAR.to_vec());
-        fonts.set_sans_serif_family("Ubuntu");
-        Arc::new(fonts)
-    });
-    let options = Options { fontdb: Arc::clone(fontdb), font_family: "Ubuntu".to_owned(), ..Options::default() };
+    let options = Options {
+        fontdb: fonts::own(),
+        font_family: "Ubuntu".to_owned(),
+        font_resolver: fonts::resolver(),
+        ..Options::default()
+    };
     Tree::from_str(svg, &options)
 }
 

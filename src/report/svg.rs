@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::colour::Rgb;
 use super::raster::FONTS;
+use crate::system::text::{one_line, shortened};
 
 /// Which end of a text its place is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,6 +63,21 @@ impl Type {
     }
 }
 
+/// The smallest that type is set to make a text fit, as a part of its size; what is longer still is cut.
+const SMALLEST: f64 = 0.6;
+
+/// A text that is no wider than `width` pixels: in smaller type, and cut with `…` where that would become too small.
+pub fn fitted(text: &str, set: Type, width: f64) -> (String, Type) {
+    let mut text = one_line(text);
+    while text_width(&text, SMALLEST * set.size) > width && text.chars().count() > 1 {
+        let count = text.chars().count();
+        let part = width / text_width(&text, SMALLEST * set.size);
+        text = shortened(&text, ((count as f64 * part) as usize).clamp(1, count - 1));
+    }
+    let set = set.fitting(&text, width);
+    (text, set)
+}
+
 /// How wide a text will be, in pixels, and rather a little more than too little: fonts differ, and the
 /// reader's may be another.
 pub fn text_width(text: &str, size: f64) -> f64 {
@@ -71,6 +87,9 @@ pub fn text_width(text: &str, size: f64) -> f64 {
         'm' | 'w' | 'M' | 'W' => 0.86,
         '⁻' | '⁰' | '¹' | '²' | '³' | '⁴'..='⁹' => 0.4,
         c if c.is_uppercase() => 0.68,
+        // Hangul, kana and Chinese characters fill a square.
+        '\u{1100}'..='\u{115f}' | '\u{2e80}'..='\u{d7ff}' | '\u{f900}'..='\u{faff}' | '\u{ff00}'..='\u{ff60}' => 1.0,
+        '\u{1f000}'..='\u{3ffff}' => 1.0,
         _ => 0.56,
     };
     size * text.chars().map(ems).sum::<f64>()
@@ -109,7 +128,7 @@ impl Svg {
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
              viewBox=\"0 0 {width} {height}\" xml:space=\"preserve\" font-family=\"{FONTS}\">\n<title>{}</title>\n\
              <rect width=\"100%\" height=\"100%\" fill=\"{}\"/>\n",
-            escaped(title),
+            escaped(&one_line(title)),
             ground.css()
         );
         Svg { text }
@@ -157,12 +176,14 @@ impl Svg {
     /// than `width` even so is set smaller.
     pub fn lines(&mut self, [x, y]: [f64; 2], lines: &[String], set: Type, leading: f64, width: f64) {
         for (i, line) in lines.iter().enumerate() {
-            self.text([x, y + leading * i as f64], line, set.fitting(line, width));
+            let (line, set) = fitted(line, set, width);
+            self.text([x, y + leading * i as f64], &line, set);
         }
     }
 
     /// A line of text turned clockwise by `degrees` about `at`.
     pub fn turned_text(&mut self, [x, y]: [f64; 2], text: &str, set: Type, degrees: f64) {
+        let text = &one_line(text);
         let anchor = match set.anchor {
             Anchor::Start => "start",
             Anchor::Middle => "middle",
@@ -296,14 +317,14 @@ mod tests {
         let black = Rgb::hex(0);
         let mut svg = Svg::new(100.0, 50.0, Rgb::hex(0xffffff), "a < b & \"c\"");
         let set = Type { size: 12.0, color: black, anchor: Anchor::End };
-        svg.turned_text([10.0, 20.004], "1 < 2 & 3\u{1}", set, -90.0);
+        svg.turned_text([10.0, 20.004], "1 < 2 & 3\u{1}\u{202e}", set, -90.0);
         let stroke = Stroke { color: black, width: 1.5, dashes: &[4.0, 2.0] };
         svg.line([0.0, f64::NAN], [-0.001, 3.25], stroke);
         let text = svg.finish();
         let document = Document::parse(&text).unwrap();
         let find = |name| document.descendants().find(|n: &Node| n.has_tag_name(name)).unwrap();
         assert_eq!(find("title").text(), Some("a < b & \"c\""));
-        assert_eq!(find("text").text(), Some("1 < 2 & 3 "));
+        assert_eq!(find("text").text(), Some("1 < 2 & 3\\u{1}\\u{202e}"));
         assert_eq!(find("text").attribute("y"), Some("20"));
         assert_eq!(find("path").attribute("d"), Some("M0 0L0 3.25"));
         assert_eq!(find("path").attribute("stroke-dasharray"), Some("4 2"));
@@ -316,6 +337,20 @@ mod tests {
             "2×10<tspan dy=\"-3.6\" font-size=\"7\">−5</tspan><tspan dy=\"3.6\"> &lt; 3</tspan>"
         );
         assert_eq!(with_raised_digits("no power", 10.0), "no power");
+    }
+
+    #[test]
+    fn long_text_is_set_smaller_then_cut() {
+        let set = Type { size: 10.0, color: Rgb::hex(0), anchor: Anchor::Start };
+        assert_eq!(fitted("short", set, 100.0), ("short".to_owned(), set));
+        let (text, smaller) = fitted(&"a".repeat(24), set, 100.0);
+        assert!(text.len() == 24 && smaller.size < 10.0 && smaller.size >= 6.0);
+        for long in ["a".repeat(3000), "壁".repeat(3000), "\u{1b}".repeat(500)] {
+            let (text, smallest) = fitted(&long, set, 100.0);
+            assert!(text.ends_with('…') && (6.0..7.0).contains(&smallest.size), "{text} {}", smallest.size);
+            assert!(text_width(&text, smallest.size) <= 100.0 + 1e-9);
+        }
+        assert_eq!(fitted("ab", set, 0.1).0, "…");
     }
 
     #[test]

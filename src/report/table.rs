@@ -3,6 +3,7 @@
 use std::io;
 
 use super::number::plain;
+use super::pareto_figure::propagator_name;
 use crate::study::error::ErrorRow;
 use crate::study::pareto;
 
@@ -122,7 +123,7 @@ pub fn errors(rows: &[ErrorRow]) -> Table<9> {
     for row in rows {
         table.push([
             row.iteration.into(),
-            row.metric.name().into(),
+            row.expectation.name().into(),
             row.level.map_or("all".into(), |level| Value::Text(level.to_string())),
             row.absolute_mean.into(),
             row.absolute_max.into(),
@@ -142,12 +143,12 @@ pub fn pareto(rows: &[&pareto::Row]) -> Table<9> {
     for row in rows {
         table.push([
             row.preset.as_str().into(),
-            row.scheme.as_str().into(),
-            row.levels.into(),
+            Value::Text(propagator_name(&row.propagator)),
+            row.treatment.name().into(),
             row.size.into(),
             row.iterations.into(),
             row.seconds.into(),
-            row.reference.into(),
+            row.expectation.reference().into(),
             row.l1.raw.into(),
             row.l1.fitted.into(),
         ]);
@@ -158,19 +159,20 @@ pub fn pareto(rows: &[&pareto::Row]) -> Table<9> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::error::Metric;
+    use crate::study::expectation::Expectation;
 
     #[test]
     fn errors_are_written_under_the_agreed_header_and_read_back_to_the_last_bit() {
         let row = ErrorRow {
             iteration: 12,
-            metric: Metric::Thesis,
+            expectation: Expectation::Thesis,
             level: None,
             absolute_mean: 9.35e-5 + 1e-19,
             absolute_max: 0.1 + 0.2,
             relative_mean: 1.0 / 3.0,
             relative_max: 20.0,
             l1_ratio: f64::INFINITY,
+            l1_best_fit: None,
             undefined: 4,
         };
         let rows = [row, ErrorRow { level: Some(3), l1_ratio: 0.5, ..row }];

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use super::file::write_whole;
+use crate::system::file::write_whole;
 
 macro_rules! presets {
     ($($name:literal),* $(,)?) => {
@@ -39,18 +39,33 @@ pub fn find(name: &str) -> Option<&'static str> {
 
 /// A folder that holds the files which built-in presets read. It is made when first asked for, among the
 /// system's temporary files.
+///
+/// # Errors
+/// Where they cannot be written.
 pub fn folder() -> io::Result<PathBuf> {
+    folder_with(|_| true)
+}
+
+/// The same, with the files that the preset `text` names: most name none, and need no place to put them.
+///
+/// # Errors
+/// Where they cannot be written.
+pub fn folder_of(text: &str) -> io::Result<PathBuf> {
+    folder_with(|path| text.contains(path))
+}
+
+fn folder_with(needed: impl Fn(&str) -> bool) -> io::Result<PathBuf> {
     let folder = std::env::temp_dir().join(concat!("lpv-lab-presets-", env!("CARGO_PKG_VERSION")));
-    for (path, text) in CELL_FILES {
+    for (path, content) in CELL_FILES.iter().filter(|(path, _)| needed(path)) {
         let path = folder.join(path);
-        if std::fs::read_to_string(&path).is_ok_and(|there| there == *text) {
+        if std::fs::read_to_string(&path).is_ok_and(|there| there == *content) {
             continue;
         }
         if let Some(parent) = path.parent() {
             std::fs::create_dir_all(parent)?;
         }
         // Whole or not at all: other programs of the lab may be reading it.
-        write_whole(&path, text.as_bytes()).map_err(io::Error::other)?;
+        write_whole(&path, content.as_bytes()).map_err(io::Error::other)?;
     }
     Ok(folder)
 }

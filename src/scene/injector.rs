@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::cell_file::{self, Column};
 use super::error::{Fault, SceneError};
 use super::file;
-use super::propagation::not_negative;
 use super::region::{Region, check_cell};
+use super::value::{not_negative, unit};
 use crate::field::Cell;
 use crate::sh::Sh;
 
@@ -62,9 +62,10 @@ pub enum InjectorKind {
     File {
         /// The file, relative to the preset's folder and inside it: `.npy`, anything else is read as CSV.
         path: PathBuf,
-        /// Which light of a file that holds two; `Source`.
-        #[serde(default, skip_serializing_if = "is_source")]
-        column: Column,
+        /// Which light of a file: it must be named where the file holds two. A `.npy` file holds one and says not
+        /// which.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        column: Option<Column>,
     },
 }
 
@@ -199,18 +200,6 @@ fn check_rectangle(from: Cell, to: Cell, size: usize) -> Result<(), Fault> {
     Ok(())
 }
 
-/// The unit vector along `vector`, which must be finite and not zero; `what` names it.
-pub(super) fn unit(vector: [f64; 3], what: &str) -> Result<DVec3, Fault> {
-    let vector = DVec3::from_array(vector);
-    // The largest part first: squares of very long or very short vectors would overflow or vanish.
-    let scaled = vector / vector.abs().max_element();
-    scaled.try_normalize().ok_or_else(|| {
-        let DVec3 { x, y, z } = vector;
-        let fault = if vector.is_finite() { "has length zero" } else { "is not finite" };
-        Fault::new(format!("the {what} ({x}, {y}, {z}) {fault}"), "any other length will do, such as (1, 0, 0)")
-    })
-}
-
 fn one() -> f64 {
     1.0
 }
@@ -236,8 +225,4 @@ pub(super) fn yes() -> bool {
 /// Whether something is enabled, as it is by default.
 pub(super) fn is_yes(enabled: &bool) -> bool {
     *enabled
-}
-
-fn is_source(column: &Column) -> bool {
-    *column == Column::Source
 }

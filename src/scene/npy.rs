@@ -10,25 +10,27 @@ use std::path::Path;
 use npyz::{DType, WriterBuilder};
 
 use super::error::{SceneError, quote};
-use super::file;
+use super::row_text::other_kind;
+use super::rows::Wrong;
 use crate::field::{Cell, Grid, Layout};
 use crate::sh::Sh;
+use crate::system::file;
 
 /// The longest header that is read, in bytes; that of a plain array takes 118.
 const LONGEST_HEADER: usize = 4096;
 
-/// A fault of a file: what is wrong and what would be right.
-type Broken = (String, String);
+/// The longest file that is looked into: light in the largest volume, of side 1024, as f8.
+const LONGEST: u64 = 12 + LONGEST_HEADER as u64 + 1024u64.pow(3) * 4 * 8;
 
 /// The lit cells of a file, at most `most`, for a volume of side `size`: z slowest, x fastest.
 pub(super) fn read(path: &Path, size: usize, most: usize) -> Result<Vec<(Cell, Sh<f64>)>, SceneError> {
-    let longest = 12 + LONGEST_HEADER as u64 + size.pow(3) as u64 * 4 * 8;
-    let (file, length) = file::open(path, longest)?;
+    // One of another size is told by its shape, so it is opened whatever its length.
+    let (file, length) = file::open(path, LONGEST)?;
     lit_cells(BufReader::new(file), length, size, most)
         .map_err(|(what, remedy)| SceneError::file(path, None, what, remedy))
 }
 
-fn lit_cells(mut file: impl Read, length: u64, size: usize, most: usize) -> Result<Vec<(Cell, Sh<f64>)>, Broken> {
+fn lit_cells(mut file: impl Read, length: u64, size: usize, most: usize) -> Result<Vec<(Cell, Sh<f64>)>, Wrong> {
     let (header, header_length) = header(&mut file)?;
     let number = Number::of(&header, size)?;
     let expected = header_length + size.pow(3) as u64 * 4 * number.width as u64;
@@ -60,12 +62,17 @@ fn lit_cells(mut file: impl Read, length: u64, size: usize, most: usize) -> Resu
 }
 
 /// The header's dictionary without blanks, and where the data begin.
-fn header(file: &mut impl Read) -> Result<(String, u64), Broken> {
+fn header(file: &mut impl Read) -> Result<(String, u64), Wrong> {
     let none = || ("this is no .npy file".to_owned(), "numpy.save writes one".to_owned());
     let mut start = [0; 8];
     file.read_exact(&mut start).map_err(|_| none())?;
     if &start[..6] != b"\x93NUMPY" {
-        return Err(none());
+        let known = other_kind(&start).map(|(what, remedy)| (what.to_owned(), remedy.to_owned()));
+        return Err(known.unwrap_or_else(none));
+    }
+    if !(1..=3).contains(&start[6]) {
+        let what = format!("version {} of .npy is not known", start[6]);
+        return Err((what, "numpy.save writes versions 1 to 3".to_owned()));
     }
     // Version 1 has two bytes for the header's length, later ones four.
     let bytes = if start[6] == 1 { 2 } else { 4 };
@@ -92,7 +99,7 @@ struct Number {
 
 impl Number {
     /// The form that a header names, if the header is that of light in a volume of side `size`.
-    fn of(header: &str, size: usize) -> Result<Self, Broken> {
+    fn of(header: &str, size: usize) -> Result<Self, Wrong> {
         let missing = |key: &str| (format!("the header has no {key}"), "numpy.save writes it".to_owned());
         let shape = entry(header, "shape").ok_or_else(|| missing("shape"))?;
         if shape.replace(",)", ")") != format!("({size},{size},{size},4)") {
@@ -142,7 +149,7 @@ fn entry<'a>(dictionary: &'a str, key: &str) -> Option<&'a str> {
     Some(&rest[..end])
 }
 
-fn unreadable(error: io::Error) -> Broken {
+fn unreadable(error: io::Error) -> Wrong {
     (error.to_string(), "check the file and its disk".to_owned())
 }
 

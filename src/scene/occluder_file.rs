@@ -6,9 +6,8 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::error::SceneError;
-use super::injector::unit;
-use super::occluder::check_share;
 use super::rows;
+use super::value::{check_share, unit};
 use crate::field::Cell;
 
 const HEADERS: [&str; 4] = ["x,y,z", "x,y,z,opacity", "x,y,z,nx,ny,nz", "x,y,z,nx,ny,nz,opacity"];
@@ -32,13 +31,13 @@ pub(super) fn read(path: &Path, size: usize, most: usize) -> Result<Vec<Row>, Sc
             [opacity] => (None, opacity),
             [x, y, z] => (Some([x, y, z]), 1.0),
             [x, y, z, opacity] => (Some([x, y, z]), opacity),
-            _ => return Err(("these columns are not known".to_owned(), "use one of the known headers")),
+            _ => return Err(("these columns are not known".to_owned(), "use one of the known headers".to_owned())),
         };
-        let refused = |_| ("the normal has length zero".to_owned(), "any other length will do");
+        let refused = |_| ("the normal has length zero".to_owned(), "any other length will do".to_owned());
         let normal = normal.map(|n| unit(n, "normal")).transpose().map_err(refused)?;
         check_share(opacity, "the opacity")
-            .map_err(|fault| (fault.what, "write a number from 0 to 1"))
+            .map_err(|fault| (fault.what, "write a number from 0 to 1".to_owned()))
             .map(|()| (normal, opacity))
     })?;
-    Ok(rows.into_iter().map(|(cell, (normal, opacity))| Row { cell, normal, opacity }).collect())
+    Ok(rows.cells.into_iter().map(|(cell, (normal, opacity))| Row { cell, normal, opacity }).collect())
 }

@@ -12,6 +12,7 @@ use super::injector::Injector;
 use super::occluder::{Occluder, Occlusion};
 use super::propagation::Propagation;
 use super::{file, place, syntax};
+use crate::system::file::write_whole;
 
 /// The version of the document that this library reads and writes.
 pub const VERSION: u32 = 1;
@@ -91,7 +92,7 @@ impl Preset {
 
     /// Writes the preset to a file, all or nothing: whatever happens, the file holds the old text or the new.
     pub fn save(&self, path: &Path) -> Result<(), SceneError> {
-        file::write_whole(path, self.to_ron().as_bytes())
+        Ok(write_whole(path, self.to_ron().as_bytes())?)
     }
 
     /// Whether every value is one that can be run; [`Preset::parse`] applies the same rules.

@@ -7,6 +7,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::error::{Fault, Step};
+use super::value::not_negative;
 use ordinates::{MOST_DIRECTIONS, Setting};
 
 /// The most iterations of one run.
@@ -103,14 +104,6 @@ impl Propagation {
         }
         Ok(())
     }
-}
-
-/// Checks that a number is finite and not below zero; `what` names it.
-pub(super) fn not_negative(value: f64, what: &str) -> Result<(), Fault> {
-    if value.is_finite() && value >= 0.0 {
-        return Ok(());
-    }
-    Err(Fault::new(format!("{what} is {value}"), "write a finite number, zero or more"))
 }
 
 /// Whether a value is its type's default, which documents leave out.

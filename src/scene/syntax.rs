@@ -9,12 +9,31 @@ use super::error::{Place, SceneError, nearest, quote};
 
 /// A fault that RON's parser found in a preset's text; `name` is the preset's file.
 pub(super) fn error(error: SpannedError, text: &str, name: &Path) -> SceneError {
-    let (what, remedy) = explain(&error.code);
+    let (what, remedy) = decimal_comma(&error, text).unwrap_or_else(|| explain(&error.code));
     let (line, column) = (error.span.start.line, error.span.start.col);
     // The parser stands before the blanks that lead to what it refused.
     let rest = text.lines().nth(line.saturating_sub(1)).unwrap_or("").chars().skip(column.saturating_sub(1));
     let blanks = rest.take_while(|c| c.is_whitespace()).count();
     SceneError::file(name, Place { line, column: Some(column + blanks) }, what, remedy)
+}
+
+/// Whether the parser stumbled over `3,5`, which is a number in half of the world's spreadsheets.
+fn decimal_comma(error: &SpannedError, text: &str) -> Option<(String, String)> {
+    if !matches!(error.code, Error::ExpectedIdentifier | Error::SuggestRawIdentifier(_)) {
+        return None;
+    }
+    let line = text.lines().nth(error.span.start.line.checked_sub(1)?)?;
+    let at = line.char_indices().nth(error.span.start.col.checked_sub(1)?).map_or(line.len(), |(at, _)| at);
+    let (before, after) = line.split_at(at);
+    let digits = |c: &char| c.is_ascii_digit();
+    let fraction: String = after.chars().take_while(digits).collect();
+    let whole = before.strip_suffix(',')?;
+    let start = whole.rfind(|c: char| !digits(&c)).map_or(0, |i| i + 1);
+    if fraction.is_empty() || start == whole.len() {
+        return None;
+    }
+    let what = "a comma cannot stand before decimals";
+    Some((what.to_owned(), format!("write {}.{fraction}", &whole[start..])))
 }
 
 fn explain(code: &Error) -> (String, String) {

@@ -9,13 +9,11 @@ mod probe;
 
 use std::time::{Duration, Instant};
 
-use crate::field::Grid;
 use crate::scene::Problem;
-use crate::simulation::{Action, Light, Refusal, Simulation};
-use crate::study::ballistic;
-use crate::study::error::{self, ErrorRow};
-use crate::study::reference;
-use crate::transport::ballistic::Ballistic;
+use crate::simulation::{Action, Refusal, Simulation};
+use crate::study::error::ErrorRow;
+use crate::study::expectation::{Expectation, References};
+use crate::study::light::{self, Brightness};
 use places::Places;
 
 /// The most iterations that convergence is waited for.
@@ -23,65 +21,12 @@ pub const PATIENCE: usize = 256;
 /// The share of all light so far under which the newest snapshot counts as nothing more.
 const CONVERGED: f64 = 0.01;
 
-/// What the merged light is compared with.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Reference {
-    /// A uniform volume of the finest size, propagated as often by the same scheme (000, 6.2): what the
-    /// octree costs.
-    #[default]
-    Uniform,
-    /// What truly arrives along straight lines, against the light that has moved: what the scheme costs.
-    Ballistic,
-}
-
-impl Reference {
-    /// All there are.
-    pub const ALL: [Reference; 2] = [Reference::Uniform, Reference::Ballistic];
-
-    /// Its name on the command line and in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Reference::Uniform => "uniform",
-            Reference::Ballistic => "ballistic",
-        }
-    }
-
-    /// Computes what of it is the same for every scheme.
-    pub fn of(self, problem: &Problem) -> Truth {
-        match self {
-            Reference::Uniform => Truth(None),
-            Reference::Ballistic => Truth(Ballistic::new(problem, &|_| true)),
-        }
-    }
-}
-
-/// A reference made ready for one scene: the ballistic light, or none where each scheme has its own.
-#[derive(Clone, Debug)]
-pub struct Truth(Option<Ballistic>);
-
-impl Truth {
-    /// The error of the merged light, and its L1 ratio after the scalar that fits best.
-    fn error(&self, simulation: &Simulation<f32>) -> (ErrorRow, f64) {
-        let (row, found, expected) = match &self.0 {
-            None => {
-                let uniform = reference::uniform(simulation);
-                (error::merged(simulation, &uniform), error::sampled(simulation), uniform)
-            }
-            Some(truth) => {
-                let row = ballistic::error(simulation, truth);
-                (row, ballistic::moved(simulation), truth.light().to_vec())
-            }
-        };
-        (row, ballistic::l1(&error::channel_scales(simulation), &found, &expected).fitted)
-    }
-}
-
 /// What one scheme makes of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// The scheme's name.
     pub scheme: String,
-    /// The merged light against the reference.
+    /// The merged light against what was expected.
     pub error: ErrorRow,
     /// The L1 ratio of that error after the scalar that fits best: renderers scale by taste.
     pub l1_fitted: f64,
@@ -107,9 +52,14 @@ pub struct Finding {
     pub iteration_time: Duration,
 }
 
-/// Runs `problem` under the scheme called `scheme`, its other settings unchanged, and compares it with a
-/// reference that was made for it.
-pub fn run(problem: &Problem, scheme: &str, truth: &Truth) -> Result<Finding, Refusal> {
+/// Runs `scene` under the scheme called `scheme`, its other settings unchanged, and holds its merged light against an
+/// expectation; `None` if that is of levels, or is not ready.
+pub fn run(
+    problem: &Problem,
+    scheme: &str,
+    expectation: Expectation,
+    references: &References,
+) -> Result<Option<Finding>, Refusal> {
     let mut problem = problem.clone();
     problem.propagation.scheme = scheme.to_owned();
     let places = Places::of(&problem);
@@ -119,8 +69,10 @@ pub fn run(problem: &Problem, scheme: &str, truth: &Truth) -> Result<Finding, Re
     for action in [Action::Clear, Action::Inject, Action::Downsample] {
         simulation.act(action);
     }
-    let weights = channel_weights(&simulation);
-    let finest = |simulation: &Simulation<f32>| brightness(&weights, simulation.lights(), |l| l.source.level(0));
+    let brightness = Brightness::new(simulation.channels());
+    let finest = |simulation: &Simulation<f32>| {
+        brightness.of_grids(simulation.lights().iter().map(|light| light.source.level(0)))
+    };
     let injected = finest(&simulation);
     let mut moved = vec![0.0; injected.len()];
     let mut energies = vec![injected.iter().sum::<f64>()];
@@ -134,8 +86,9 @@ pub fn run(problem: &Problem, scheme: &str, truth: &Truth) -> Result<Finding, Re
         moved.iter_mut().zip(&snapshot).for_each(|(sum, light)| *sum += light);
     }
     simulation.act(Action::Merge);
-    let (error, l1_fitted) = truth.error(&simulation);
-    let merged = brightness(&weights, simulation.lights(), |l| l.merged.as_ref().unwrap_or(l.accumulated.level(0)));
+    let Some(held) = expectation.of(&simulation, references) else { return Ok(None) };
+    let (Some(error), Some(fit)) = (held.rows().first().copied(), held.best_fit()) else { return Ok(None) };
+    let merged = brightness.of_grids(&light::sampled(&simulation));
 
     let energy_left = ratio(energies[iterations], energies[0]);
     let mut converged = converged(&energies);
@@ -146,10 +99,10 @@ pub fn run(problem: &Problem, scheme: &str, truth: &Truth) -> Result<Finding, Re
     }
     let centroid = places.centroid(&moved);
     let start = places.centroid(&injected);
-    Ok(Finding {
+    Ok(Some(Finding {
         scheme: scheme.to_owned(),
         error,
-        l1_fitted,
+        l1_fitted: fit.fitted,
         energy_left,
         centroid,
         shift: centroid.iter().zip(start).map(|(c, s)| (c - s).powi(2)).sum::<f64>().sqrt(),
@@ -158,31 +111,7 @@ pub fn run(problem: &Problem, scheme: &str, truth: &Truth) -> Result<Finding, Re
         leak: places.leak(&merged),
         converged,
         iteration_time: median(times),
-    })
-}
-
-/// How often each channel's light counts in red, green and blue together.
-fn channel_weights(simulation: &Simulation<f32>) -> Vec<f64> {
-    let mut weights = vec![0.0; simulation.channels().count()];
-    for share in simulation.channels().rgb() {
-        weights[share.channel] += share.scale;
-    }
-    weights
-}
-
-/// The light of every cell of one grid a channel, x fastest.
-fn brightness<'a>(
-    weights: &[f64],
-    lights: &'a [Light<f32>],
-    grid: impl Fn(&'a Light<f32>) -> &'a Grid<f32>,
-) -> Vec<f64> {
-    let mut sums = Vec::new();
-    for (weight, light) in weights.iter().zip(lights) {
-        let grid = grid(light);
-        sums.resize(grid.side().pow(3), 0.0);
-        sums.iter_mut().zip(grid.iter()).for_each(|(sum, (_, light))| *sum += weight * f64::from(light.0[0]));
-    }
-    sums
+    }))
 }
 
 /// The first iteration that adds less than [`CONVERGED`] of all light so far; `energies` start with the injected.

@@ -14,11 +14,14 @@
 pub mod made;
 mod way;
 
-use super::ballistic::{self, BestFit};
-use super::error::channel_scales;
+use super::expectation::Expectation;
+use super::fit::{BestFit, l1};
+use super::light::channel_scales;
 use super::reference;
 use crate::field::Grid;
 use crate::scene::Problem;
+use crate::scene::propagation::Policy;
+use crate::scene::propagation::ordinates::Setting;
 use crate::simulation::options::Wanted;
 use crate::simulation::{Light, Refusal};
 use crate::transport::ballistic::Ballistic;
@@ -35,23 +38,62 @@ const DIED_OUT: f64 = 1e-6;
 /// The relative residual of the reference.
 const REFERENCE_TOLERANCE: f64 = 1e-5;
 
-/// One way on one scene against one reference, as `pareto.csv` has it.
+/// How a way gets at the light of the volume.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Treatment {
+    /// The finest level alone.
+    Uniform,
+    /// All levels down to 1³ under a policy.
+    Octree(Policy),
+    /// The fixed point of the finest level, solved for.
+    Converged,
+}
+
+impl Treatment {
+    /// All there are.
+    pub const ALL: [Treatment; 4] = [
+        Treatment::Uniform,
+        Treatment::Octree(Policy::Same),
+        Treatment::Octree(Policy::Consistent),
+        Treatment::Converged,
+    ];
+
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Treatment::Uniform => "uniform",
+            Treatment::Octree(policy) => policy.name(),
+            Treatment::Converged => "converged",
+        }
+    }
+}
+
+/// What takes light from cell to cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Propagator {
+    /// The propagator's name, as presets have it.
+    pub scheme: &'static str,
+    /// Its directions, where it has any.
+    pub setting: Option<Setting>,
+}
+
+/// One way on one scene against one expectation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// The scene.
+    /// The scene's name.
     pub preset: String,
-    /// The scheme, or ordinates with their lattice, rule and number of directions.
-    pub scheme: String,
-    /// uniform, same, consistent or converged.
-    pub levels: &'static str,
+    /// What takes its light.
+    pub propagator: Propagator,
+    /// How the volume is treated.
+    pub treatment: Treatment,
     /// The side of the volume.
     pub size: usize,
     /// Iterations; sweeps of the solver; 1 for the one sweep of ordinates.
     pub iterations: usize,
     /// From injection to merged light.
     pub seconds: f64,
-    /// uniform or ballistic.
-    pub reference: &'static str,
+    /// [`Expectation::Merged`], the uniform volume being at its fixed point, or [`Expectation::Ballistic`].
+    pub expectation: Expectation,
     /// The error as it is, and after the scalar that fits best.
     pub l1: BestFit,
 }
@@ -104,7 +146,7 @@ pub fn measure_against(
     let start = Start::new(problem)?;
     let mut fixed_points = Vec::new();
     for name in schemes::names() {
-        fixed_points.push((name, fixed_point(&way::with(problem, name, "uniform", FOR_EVER))?));
+        fixed_points.push((name, fixed_point(&way::with(problem, name, Treatment::Uniform, FOR_EVER))?));
         if !go_on() {
             return Ok(None);
         }
@@ -128,26 +170,26 @@ pub fn measure_against(
             }
         }
     }
-    let scales = channel_scales(&start.injected);
+    let scales = channel_scales(start.injected.channels());
     let mut rows = Vec::new();
     for ((way, outcome), mut times) in ways.iter().zip(&outcomes).zip(times) {
         times.sort_by(f64::total_cmp);
         let seconds = times.get(times.len() / 2).copied().unwrap_or_default();
-        let row = |reference, l1| Row {
+        let row = |expectation, l1| Row {
             preset: name.to_owned(),
-            scheme: way.scheme(),
-            levels: way.levels(),
+            propagator: way.propagator(),
+            treatment: way.treatment(),
             size: problem.size,
             iterations: outcome.iterations,
             seconds,
-            reference,
+            expectation,
             l1,
         };
-        let fixed_point = fixed_points.iter().find(|(name, _)| *name == way.scheme());
+        let fixed_point = fixed_points.iter().find(|(name, _)| *name == way.propagator().scheme);
         if let (Some(all), Some((_, uniform))) = (&outcome.all, fixed_point) {
-            rows.push(row("uniform", ballistic::l1(&scales, all, uniform)));
+            rows.push(row(Expectation::Merged, l1(&scales, all, uniform)));
         }
-        rows.push(row("ballistic", ballistic::l1(&scales, &outcome.moved, truth.light())));
+        rows.push(row(Expectation::Ballistic, l1(&scales, &outcome.moved, truth.light())));
     }
     Ok(Some(rows))
 }
@@ -181,18 +223,20 @@ mod tests {
     fn every_way_is_measured_against_what_it_can_be_and_errors_fall() {
         let [(name, problem), ..] = made::scenes(8, 3.0);
         let rows = measure(name, &problem, 1, &|_| true).unwrap().unwrap();
-        let of = |scheme: &str, levels: &str, reference: &str| -> Vec<&Row> {
-            let rows = rows.iter().filter(|row| row.preset == "one-wall" && row.scheme == scheme);
-            rows.filter(|row| row.levels == levels && row.reference == reference).collect()
+        let of = |treatment: Treatment, expectation: Expectation| -> Vec<&Row> {
+            let rows = rows.iter().filter(|row| row.preset == "one-wall" && row.propagator.scheme == "cascaded");
+            rows.filter(|row| row.treatment == treatment && row.expectation == expectation).collect()
         };
-        let uniform = of("cascaded", "uniform", "uniform");
+        let uniform = of(Treatment::Uniform, Expectation::Merged);
         assert_eq!(uniform.iter().map(|row| row.iterations).collect::<Vec<_>>(), way::ITERATIONS);
         assert!(uniform.windows(2).all(|pair| pair[1].l1.raw < pair[0].l1.raw));
         assert!(uniform[5].l1.raw < 1e-3);
-        assert_eq!(of("cascaded", "consistent", "ballistic").len(), way::ITERATIONS.len());
-        assert!(of("cascaded", "converged", "uniform")[1].l1.raw < 1e-3);
+        let consistent = of(Treatment::Octree(Policy::Consistent), Expectation::Ballistic);
+        assert_eq!(consistent.len(), way::ITERATIONS.len());
+        assert!(of(Treatment::Converged, Expectation::Merged)[1].l1.raw < 1e-3);
         assert!(rows.iter().all(|row| row.l1.fitted <= row.l1.raw));
-        assert!(rows.iter().all(|row| !row.scheme.starts_with("ordinates") || row.reference == "ballistic"));
+        let directed = |row: &&Row| row.propagator.setting.is_some();
+        assert!(rows.iter().filter(directed).all(|row| row.expectation == Expectation::Ballistic));
     }
 
     #[test]
@@ -203,8 +247,8 @@ mod tests {
         problem.solids = vec![Solid { cell: [6, 4, 4], normal: DVec3::NEG_X, opacity: 1.0, albedo: [0.5, 0.0, 0.0] }];
         let rows = measure("walled", &problem, 1, &|share| (0.0..=1.0).contains(&share)).unwrap().unwrap();
         // The solver refuses occluders, the ordinates do not.
-        assert!(rows.iter().all(|row| row.levels != "converged" && row.preset == "walled"));
-        assert!(rows.iter().any(|row| row.scheme.starts_with("ordinates") && row.l1.fitted < 1.0));
+        assert!(rows.iter().all(|row| row.treatment != Treatment::Converged && row.preset == "walled"));
+        assert!(rows.iter().any(|row| row.propagator.setting.is_some() && row.l1.fitted < 1.0));
         assert_eq!(measure("walled", &problem, 1, &|share| share < 0.5).unwrap(), None);
     }
 
@@ -212,12 +256,12 @@ mod tests {
     fn the_front_holds_what_nothing_beats() {
         let row = |seconds: f64, fitted: f64| Row {
             preset: "one-wall".to_owned(),
-            scheme: "cascaded".to_owned(),
-            levels: "same",
+            propagator: Propagator { scheme: "cascaded", setting: None },
+            treatment: Treatment::Octree(Policy::Same),
             size: 8,
             iterations: 1,
             seconds,
-            reference: "uniform",
+            expectation: Expectation::Merged,
             l1: BestFit { raw: fitted, fitted, scale: 1.0 },
         };
         let rows = [row(3.0, 0.1), row(1.0, 0.5), row(2.0, 0.6), row(4.0, 0.1), row(5.0, 0.05)];

@@ -1,19 +1,33 @@
 //! What the machine has left of its memory.
 
 mod control_group;
+mod limits;
 
 use std::path::Path;
 
 /// Bytes that can be taken before the machine runs out, as Linux estimates them, or the container or service that
-/// the program runs in; `None` where neither is known.
+/// the program runs in, or the limits it was started under (`ulimit -v`); `None` where none is known.
 pub fn free() -> Option<u64> {
     free_under(Path::new("/"))
 }
 
-/// The same, with the system's files under `root`.
+/// What any work takes at least, in bytes: threads, tables, a picture and its fonts.
+const LEAST: u64 = 32 << 20;
+
+/// Refuses to begin where not even a small scene could be worked on.
+///
+/// # Errors
+/// One line that says how much there is and how much there should be.
+pub fn check() -> Result<(), String> {
+    let Some(free) = free().filter(|free| *free < LEAST) else { return Ok(()) };
+    let (free, least) = (in_words(free), in_words(LEAST));
+    Err(format!("{free} of memory are free, and at least {least} are needed; close something, or raise `ulimit -v`"))
+}
+
+/// As [`free`], with the system's files under `root`.
 fn free_under(root: &Path) -> Option<u64> {
     let of_machine = std::fs::read_to_string(root.join("proc/meminfo")).ok().and_then(|text| available(&text));
-    [of_machine, control_group::left(root)].into_iter().flatten().min()
+    [of_machine, control_group::left(root), limits::left(root)].into_iter().flatten().min()
 }
 
 /// The line `MemAvailable:  123 kB` of /proc/meminfo.

@@ -107,6 +107,26 @@ pub struct Capabilities {
     pub grows: bool,
 }
 
+/// A law that light obeys under a transport, for the suite that holds every kind against all that it claims.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Law {
+    /// A problem without occluders, turned or mirrored by one of the 48 symmetries of the cube, gives its light turned
+    /// or mirrored.
+    Symmetry,
+    /// The light of two injections into different cells is the sum of the light of each.
+    Superposition,
+    /// After k iterations the finest level is lit only where k steps lead from the injected light: in reach, and of its
+    /// parity.
+    Reach,
+    /// At the factor [`Kind::conserving`] Σ c00 of the finest level stays what it is after the first iteration, until
+    /// light reaches the border.
+    Conservation,
+    /// A closed wall of hard occluders lets no light pass.
+    Shutters,
+    /// Single precision keeps within rounding of double precision.
+    Precision,
+}
+
 /// Makes a transport.
 pub type Make<T> = fn(&Setup) -> Result<Box<dyn Transport<T>>, Refusal>;
 
@@ -123,6 +143,10 @@ pub struct Kind {
     pub flaws: &'static str,
     /// What it can do.
     pub can: Capabilities,
+    /// The factor at which light inside an open volume is neither lost nor gained, clamps aside.
+    pub conserving: f64,
+    /// The laws that it obeys under a setting.
+    pub laws: fn(&Propagation) -> Vec<Law>,
     /// Whether it can run a setting of its own.
     pub check: fn(&Propagation) -> Result<(), Fault>,
     /// The name of a setting in tables: the kind's, with what it takes from the preset besides.
@@ -149,9 +173,10 @@ impl Kind {
                 ),
             },
             Device::Gpu => Refusal::Device {
-                what: "this program was built without the feature `gpu`; build it with --features gpu, or use --device \
+                what:
+                    "this program was built without the feature `gpu`; build it with --features gpu, or use --device \
                        cpu"
-                .to_owned(),
+                    .to_owned(),
             },
         }
     }

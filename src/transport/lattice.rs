@@ -32,7 +32,7 @@ pub mod stencil;
 use std::sync::Arc;
 
 use super::divergence::Divergence;
-use super::kind::{Capabilities, Kind, Setup, Transport};
+use super::kind::{Capabilities, Kind, Law, Setup, Transport};
 use super::options::{Kernel, Options, Wanted, Work};
 use super::refusal::Refusal;
 use super::state::{State, accumulating};
@@ -61,6 +61,8 @@ fn kind(scheme: &Scheme) -> Kind {
         source: scheme.source,
         flaws: scheme.flaws,
         can: Capabilities { levels: true, occluders: true, clamp: true, grows: true },
+        conserving: 1.0 / Stencil::<f64>::new(scheme, 1.0, false).uniform_gain()[0],
+        laws,
         check: |_| Ok(()),
         label: |propagation| propagation.scheme.clone(),
         bytes: |problem, sizes, channels, number| {
@@ -72,6 +74,15 @@ fn kind(scheme: &Scheme) -> Kind {
         double: Some(Lattice::made),
         card: None,
     }
+}
+
+/// Every face is linear but for its clamp.
+fn laws(propagation: &Propagation) -> Vec<Law> {
+    let mut laws = vec![Law::Symmetry, Law::Reach, Law::Shutters, Law::Precision];
+    if !propagation.clamp {
+        laws.extend([Law::Superposition, Law::Conservation]);
+    }
+    laws
 }
 
 /// Light of one problem on its way under a scheme.

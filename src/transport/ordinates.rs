@@ -25,7 +25,7 @@ mod sweep;
 
 use glam::DVec3;
 
-use super::kind::{Capabilities, Kind};
+use super::kind::{Capabilities, Kind, Law};
 use super::team;
 use super::transparency::Transparency;
 use crate::field::Grid;
@@ -36,14 +36,19 @@ use beams::Beams;
 use directions::Direction;
 use shares::Shares;
 
+/// The name of the one kind of transport that this is.
+pub const NAME: &str = "ordinates";
+
 /// Light that is propagated so, as the one kind of transport that it is.
 pub fn kinds() -> Vec<Kind> {
     vec![Kind {
-        name: "ordinates",
+        name: NAME,
         summary: "light that keeps its direction, on the finest level",
         source: "discrete ordinates, by the donor cell rule or by where a beam leaves a cell",
         flaws: "with few directions light arrives in rays; beams widen as they cross cell borders; nothing is reflected",
         can: Capabilities { levels: false, occluders: true, clamp: false, grows: false },
+        conserving: 4.0,
+        laws,
         check: |_| Ok(()),
         label,
         bytes: beams::bytes,
@@ -51,6 +56,15 @@ pub fn kinds() -> Vec<Kind> {
         double: Some(Beams::made),
         card: None,
     }]
+}
+
+/// A spiral of directions has no symmetry of the cube.
+fn laws(propagation: &Propagation) -> Vec<Law> {
+    let mut laws = vec![Law::Superposition, Law::Reach, Law::Conservation, Law::Shutters, Law::Precision];
+    if propagation.ordinates.lattice == Lattice::Octahedral {
+        laws.push(Law::Symmetry);
+    }
+    laws
 }
 
 fn label(Propagation { scheme, ordinates: Setting { directions, rule, lattice }, .. }: &Propagation) -> String {

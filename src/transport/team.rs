@@ -19,6 +19,36 @@ use std::time::{Duration, Instant};
 /// frames of a small scene, and short enough that nobody minds when none comes.
 const PATIENCE: Duration = Duration::from_millis(1);
 
+/// Starts everybody's pool with as many threads as the system gives: under `ulimit -u` or `-v` it may be fewer than
+/// there are cores, down to the caller's own. Returns how many there are and how many there should be. To be called once,
+/// before anything else asks for the pool, which would otherwise panic where a thread cannot be started.
+pub fn gather() -> (usize, usize) {
+    let asked = std::env::var("RAYON_NUM_THREADS").ok().and_then(|number| number.parse().ok()).filter(|n| *n > 0);
+    let wanted = asked.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let got = startable(wanted);
+    let pool = rayon::ThreadPoolBuilder::new();
+    let pool = if got == 0 { pool.num_threads(1).use_current_thread() } else { pool.num_threads(got) };
+    // Where it has been started already, it is as it is.
+    let _ = pool.build_global();
+    (got.max(1), wanted)
+}
+
+/// How many threads can be started now, at most `wanted`: the pool itself gives up for ever at the first that cannot.
+fn startable(wanted: usize) -> usize {
+    let ended = &Mutex::new(());
+    let held = ended.lock().unwrap_or_else(PoisonError::into_inner);
+    std::thread::scope(|scope| {
+        // Each takes some memory, as threads of the pool will: under `ulimit -v` that is what one may lack.
+        let wait = move || {
+            std::hint::black_box(vec![0u8; 1 << 12]);
+            drop(ended.lock());
+        };
+        let started = (0..wanted).take_while(|_| std::thread::Builder::new().spawn_scoped(scope, wait).is_ok()).count();
+        drop(held);
+        started
+    })
+}
+
 /// Does the work on a thread of a pool: here, if this is one, else in everybody's pool.
 pub fn inside<R: Send>(work: impl FnOnce() -> R + Send) -> R {
     if rayon::current_thread_index().is_some() { work() } else { rayon::scope(|_| work()) }
@@ -122,6 +152,11 @@ mod tests {
             };
             pool(threads).install(rounds);
         }
+    }
+
+    #[test]
+    fn as_many_threads_can_be_started_as_are_wanted_where_there_is_no_limit() {
+        assert_eq!((startable(0), startable(1), startable(5)), (0, 1, 5));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Views side by side.
 
-use lpv_lab::study::error::Metric;
+use lpv_lab::study::expectation::Expectation;
 
 use crate::driver::*;
 
@@ -63,7 +63,7 @@ fn references_are_compared_and_their_differences_are_true() {
     // Against what truly arrives both have a curve, and the past is measured as well.
     choose(&mut harness, "Error metric", "ballistic");
     for run in lab(&harness).curves() {
-        assert_eq!(run.curve(Metric::Ballistic, None, |row| row.l1_ratio).len(), 6, "{}", run.name);
+        assert_eq!(run.curve(Expectation::Ballistic, None, |row| row.l1_ratio).len(), 6, "{}", run.name);
     }
 }
 

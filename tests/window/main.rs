@@ -18,7 +18,7 @@ use driver::*;
 use egui_kittest::kittest::{NodeT, Queryable};
 use lpv_lab::app::{Layer, Light};
 use lpv_lab::scene::Preset;
-use lpv_lab::study::error::Metric;
+use lpv_lab::study::expectation::Expectation;
 
 #[test]
 fn a_new_window_shows_the_injected_light() {
@@ -57,7 +57,7 @@ fn errors_are_told_for_every_iteration() {
     let mut harness = window(SMALL);
     click(&mut harness, "Run all");
     let lab = lab(&harness);
-    let rows = lab.curves()[0].rows.iter().filter(|row| row.level.is_none() && row.metric == Metric::Thesis);
+    let rows = lab.curves()[0].rows.iter().filter(|row| row.level.is_none() && row.expectation == Expectation::Thesis);
     let of_all: Vec<usize> = rows.map(|row| row.iteration).collect();
     assert_eq!(of_all, [0, 1, 2, 3, 4, 5]);
 }

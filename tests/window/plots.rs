@@ -5,9 +5,8 @@ use std::path::Path;
 use egui_kittest::kittest::{NodeT, Queryable};
 use lpv_lab::scene::Problem;
 use lpv_lab::simulation::Simulation;
-use lpv_lab::study::ballistic;
-use lpv_lab::study::error::Metric;
-use lpv_lab::transport::ballistic::Ballistic;
+use lpv_lab::study::expectation::{Expectation, References};
+use lpv_lab::study::pareto::Treatment;
 use lpv_lab::transport::lattice::schemes;
 
 use crate::driver::*;
@@ -19,7 +18,10 @@ fn errors_against_what_truly_arrives_are_computed_once_and_for_the_past_too() {
     choose(&mut harness, "Error metric", "ballistic");
     let measured = |harness: &Window| {
         let run = lab(harness).curves()[0].clone();
-        (run.curve(Metric::Ballistic, None, |row| row.l1_ratio), run.fits)
+        (
+            run.curve(Expectation::Ballistic, None, |row| row.l1_ratio),
+            run.curve(Expectation::Ballistic, None, |row| row.l1_best_fit.unwrap()),
+        )
     };
     let (ratios, fits) = measured(&harness);
     let iterations: Vec<f64> = ratios.iter().map(|[k, _]| *k).collect();
@@ -29,8 +31,9 @@ fn errors_against_what_truly_arrives_are_computed_once_and_for_the_past_too() {
     let problem = Problem::build(lab(&harness).preset(), Path::new("")).unwrap();
     let mut simulation = Simulation::<f32>::new(problem.clone()).unwrap();
     simulation.run(|_| true);
-    let truth = Ballistic::new(&problem, &|_| true).unwrap();
-    assert_eq!(ratios[5][1], ballistic::error(&simulation, &truth).l1_ratio);
+    let mut references = References::default();
+    Expectation::Ballistic.prepare(&problem, &mut references, &|_| true);
+    assert_eq!(ratios[5][1], Expectation::Ballistic.rows(&simulation, &references)[0].l1_ratio);
     // Another factor is measured against the same light at once; other light is computed anew.
     set_number(&mut harness, "Factor p", 2.0);
     click(&mut harness, "Run again");
@@ -114,20 +117,22 @@ fn run_time_is_set_against_error_and_can_be_called_off() {
     harness.get_by_label("Run time against error");
     let rows = lab(&harness).pareto_rows().to_vec();
     for scheme in schemes::names() {
-        for (levels, reference) in
-            ["uniform", "same", "consistent"].into_iter().flat_map(|l| [(l, "uniform"), (l, "ballistic")])
+        let treatments = Treatment::ALL.into_iter().filter(|one| *one != Treatment::Converged);
+        for (treatment, expectation) in
+            treatments.flat_map(|one| [(one, Expectation::Merged), (one, Expectation::Ballistic)])
         {
-            let ours =
-                rows.iter().filter(|row| row.scheme == scheme && row.levels == levels && row.reference == reference);
+            let ours = rows.iter().filter(|row| row.propagator.scheme == scheme);
+            let ours = ours.filter(|row| row.treatment == treatment && row.expectation == expectation);
             let mut iterations: Vec<usize> = ours.map(|row| row.iterations).collect();
             iterations.sort_unstable();
-            assert_eq!(iterations, [1, 2, 4, 8, 16, 32], "{scheme}, {levels}, {reference}");
+            assert_eq!(iterations, [1, 2, 4, 8, 16, 32], "{scheme}, {treatment:?}, {expectation}");
         }
     }
     // At p = 3 blog's light grows without bound (critical factor 2.99 at 8³): there is nothing to solve for.
-    let solved = |scheme: &str| rows.iter().any(|row| row.scheme == scheme && row.levels == "converged");
+    let solved =
+        |scheme: &str| rows.iter().any(|row| row.propagator.scheme == scheme && row.treatment == Treatment::Converged);
     assert!(solved("cascaded") && !solved("blog"));
-    assert!(rows.iter().any(|row| row.scheme.contains("ordinates")));
+    assert!(rows.iter().any(|row| row.propagator.setting.is_some()));
     assert!(rows.iter().all(|row| row.size == 8 && row.preset == "Small"));
     choose(&mut harness, "Error against", "Against the uniform fixed point");
     harness.get_by_label("Run time against error");

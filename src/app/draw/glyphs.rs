@@ -85,8 +85,8 @@ fn heat(view: &View, shown: &Shown, i: usize) -> Option<f32> {
     match view.heat {
         Heat::None => None,
         Heat::Mean => Some(view.hue.of(shown.slice.cells[i].light).0[0].abs()),
-        Heat::Absolute => error().map(|error| error.absolute),
-        Heat::Relative => error().and_then(|error| error.relative),
+        Heat::Absolute => error().map(|error| error.absolute as f32),
+        Heat::Relative => error().and_then(|error| error.relative).map(|relative| relative as f32),
     }
 }
 

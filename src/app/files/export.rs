@@ -6,20 +6,20 @@ use std::path::Path;
 use crate::app::draw::glyphs::Scales;
 use crate::app::session::Session;
 use crate::app::session::command::Command;
-use crate::app::session::curves::{Curves, Group};
+use crate::app::session::curves::Curves;
 use crate::app::session::format::Format;
 use crate::app::session::pareto;
 use crate::app::session::plots::{Plots, Tab};
 use crate::app::session::settings::Settings;
 use crate::app::session::view::{Heat, View};
 use crate::app::worker::look::Shown;
+use crate::report::error_figure::{ErrorFigure, Measure, Series};
 
 use crate::report::picture::{Panel, Picture};
-use crate::report::plot::{Curve, Dash, Figure, Mark, Plot};
+use crate::report::plot::Figure;
 use crate::report::slice::Axis;
-use crate::report::{raster, table};
+use crate::report::{pareto_figure, raster, table};
 use crate::scene::file::write_whole;
-use crate::study::error::Metric;
 
 /// Why there is nothing to export of a line.
 const NO_LINE: &str = "the light along the line is not computed yet; try again when it is shown";
@@ -29,7 +29,7 @@ const NO_LINE: &str = "the light along the line is not computed yet; try again w
 fn csv(runs: &[&Curves]) -> Result<String, Box<dyn Error>> {
     let mut out = csv::Writer::from_writer(Vec::new());
     let several = runs.len() > 1;
-    let fitted = runs.iter().any(|run| !run.fits.is_empty());
+    let fitted = runs.iter().flat_map(|run| &run.rows).any(|row| row.l1_best_fit.is_some());
     for (i, run) in runs.iter().enumerate() {
         let mut bytes = Vec::new();
         table::errors(&run.rows).write_csv(&mut bytes)?;
@@ -38,11 +38,7 @@ fn csv(runs: &[&Curves]) -> Result<String, Box<dyn Error>> {
             let name = if line == 0 { "run" } else { run.name.as_str() };
             let fit = match line.checked_sub(1).map(|at| &run.rows[at]) {
                 None => "l1_best_fit".to_owned(),
-                Some(row) if row.metric == Metric::Ballistic => {
-                    let here = |[k, _]: &&[f64; 2]| *k == row.iteration as f64;
-                    run.fits.iter().find(here).map(|[_, fit]| fit.to_string()).unwrap_or_default()
-                }
-                Some(_) => String::new(),
+                Some(row) => row.l1_best_fit.map(|fit| fit.to_string()).unwrap_or_default(),
             };
             let after = fitted.then_some(fit.as_str());
             out.write_record(several.then_some(name).into_iter().chain(row?.iter()).chain(after))?;
@@ -53,34 +49,24 @@ fn csv(runs: &[&Curves]) -> Result<String, Box<dyn Error>> {
 
 /// The error plots as a figure for a paper: the curves that are on screen.
 fn figure(title: &str, plots: &Plots, runs: &[&Curves], seen: usize) -> Figure {
-    let (metric, level) = (plots.metric, plots.level());
-    let level_name = level.map_or("all levels".to_owned(), |level| format!("level {level}"));
-    let plot = |group: &Group| {
-        let mut curves = Vec::new();
-        for run in runs {
-            for (i, quantity) in group.quantities.iter().enumerate().filter(|(_, quantity)| plots.draws(quantity)) {
-                let several = runs.len() > 1;
-                curves.push(Curve {
-                    name: if several { format!("{}, {}", run.name, quantity.name) } else { quantity.name.to_owned() },
-                    points: (quantity.curve)(run, metric, level),
-                    color: if several { run.color } else { i },
-                    dash: if quantity.dashed { Dash::Dashed } else { Dash::Solid },
-                });
-            }
-        }
-        curves.retain(|curve| !curve.points.is_empty());
-        Plot {
-            title: format!("{}, {metric}, {level_name}", group.title),
-            x_label: "iteration k".to_owned(),
-            y_label: group.axis.to_owned(),
-            log_y: plots.log,
-            curves,
-            marks: vec![Mark { x: seen as f64, label: format!("k = {seen}") }],
-        }
+    let level = plots.level();
+    let series = runs.iter().map(|run| {
+        let rows = run.rows.iter().filter(|row| row.expectation == plots.metric && row.level == level);
+        Series { name: run.name.clone(), rows: rows.copied().collect(), color: run.color }
+    });
+    let measures: Vec<Measure> = plots.measures().collect();
+    let figure = ErrorFigure {
+        title,
+        series: &series.collect::<Vec<_>>(),
+        measures: &measures,
+        means: plots.average,
+        largest: plots.maximum,
+        log: plots.log,
+        current: Some(seen),
+        theme: plots.format.theme(),
+        size: plots.format.figure(measures.len()),
     };
-    let drawn: Vec<Plot> = plots.groups().map(plot).collect();
-    let size = plots.format.figure(drawn.len());
-    Figure { title: title.to_owned(), plots: drawn, theme: plots.format.theme(), size }
+    figure.figure()
 }
 
 /// The slices as a picture for a paper.
@@ -169,7 +155,7 @@ fn plots_picture(session: &Session) -> Result<String, Box<dyn Error>> {
         Tab::Line => session.course().ok_or(NO_LINE)?.figure(&title, plots.line.log, &plots.format),
         Tab::Pareto => {
             let rows = pareto::against(session.pareto_rows(), plots.pareto);
-            pareto::figure(&title, &rows, plots.pareto, &plots.format)
+            pareto_figure::figure(&title, &rows, plots.format.theme(), |drawn| plots.format.figure(drawn))
         }
     };
     Ok(figure.to_svg_set(plots.format.text()))

@@ -11,9 +11,11 @@ use crate::app::draw::grids::Pointed;
 use crate::app::draw::ink::color;
 use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
-use crate::app::worker::look::{Against, CellError, Of, Pane, Pin, PinSample, State};
+use crate::app::worker::look::{Of, Pane, Pin, PinSample, State};
 use crate::report::colour::Theme;
 use crate::sh::Sh;
+use crate::study::error::CellError;
+use crate::study::expectation::Expectation;
 
 /// The panel; `pointed` is where the pointer is in the views.
 pub fn ui(ui: &mut Ui, session: &Session, pointed: Option<Pointed>, theme: &Theme, asks: &mut Asks) {
@@ -42,7 +44,7 @@ pub fn ui(ui: &mut Ui, session: &Session, pointed: Option<Pointed>, theme: &Them
     let seen = session.seen();
     let pinned = &session.sight.pinned;
     let Some(sample) = pinned.iter().rev().find(|sample| sample.iteration <= seen) else { return };
-    numbers(ui, sample.accumulated, None, Against::Children);
+    numbers(ui, sample.accumulated, None, Expectation::Thesis);
     course(ui, pinned, seen, theme);
 }
 
@@ -55,7 +57,7 @@ fn place(Pin { level, cell: [x, y, z] }: Pin) -> String {
 }
 
 /// The coefficients of each colour, the flux and the error.
-fn numbers(ui: &mut Ui, light: [Sh<f32>; 3], error: Option<CellError>, against: Against) {
+fn numbers(ui: &mut Ui, light: [Sh<f32>; 3], error: Option<CellError>, against: Expectation) {
     let [red, green, blue] = light;
     let colours: Vec<(&str, Sh<f32>)> = match red == green && green == blue {
         true => vec![("white", red)],
@@ -80,7 +82,7 @@ fn numbers(ui: &mut Ui, light: [Sh<f32>; 3], error: Option<CellError>, against: 
     ui.label(format!("flux towards {towards}"));
     if let Some(error) = error {
         let relative = error.relative.map_or("undefined".to_owned(), |relative| format!("{:.2} %", relative * 100.0));
-        ui.label(format!("error {} ({relative}) against {}", number(error.absolute), against.name()));
+        ui.label(format!("error {} ({relative}) against {}", number(error.absolute as f32), against.against()));
     }
 }
 

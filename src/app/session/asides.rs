@@ -16,7 +16,7 @@ use super::view::Stage;
 use crate::app::worker::Order;
 use crate::app::worker::rival::Rival;
 use crate::scene::{Problem, Propagation};
-use crate::study::error::Metric;
+use crate::study::expectation::Expectation;
 use crate::study::pareto::{self, Row};
 use crate::study::profile::Policies;
 use crate::study::stability::outlook::{self, Exceeded};
@@ -112,7 +112,7 @@ impl Session {
     /// Whether something on screen is measured against what truly arrives.
     pub fn wants_truth(&self) -> bool {
         let seen = self.settings.view.stage == Stage::Compare && self.run.others.contains(&Rival::Ballistic);
-        seen || self.settings.plots.metric == Metric::Ballistic
+        seen || self.settings.plots.metric == Expectation::Ballistic
     }
 
     /// Whether what truly arrives was given up for the problem that runs.

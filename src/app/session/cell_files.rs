@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::Session;
-use crate::scene::cell_file::Column;
+use crate::scene::cell_file::{self, Column};
 use crate::scene::injector::{Injector, InjectorKind};
 use crate::scene::occluder::{Occluder, OccluderKind};
 
@@ -16,8 +16,11 @@ impl Session {
     /// Makes a file the `i`-th injector's, or a new one's.
     pub fn injector_file(&mut self, i: usize, path: &Path) {
         let Some(path) = self.beside_the_preset(path) else { return };
+        // Of a file that holds two lights, the one that .npy files hold.
+        let two = cell_file::holds_two(&self.document.folder().join(&path));
+        let column = two.then_some(Column::Accumulated);
         let injectors = &mut self.document.preset.injectors;
-        let kind = InjectorKind::File { path, column: Column::default() };
+        let kind = InjectorKind::File { path, column };
         match injectors.get_mut(i) {
             // A file brings its own directions.
             Some(injector) => (injector.kind, injector.direction) = (kind, None),

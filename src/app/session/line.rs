@@ -82,6 +82,7 @@ impl Course {
             log_y: log,
             curves: self.curves.iter().enumerate().filter(|(_, (_, points))| !points.is_empty()).map(curve).collect(),
             marks: self.borders.iter().map(mark).collect(),
+            ..PaperPlot::default()
         };
         Figure { title: title.to_owned(), plots: vec![plot], theme: format.theme(), size: format.figure(1) }
     }

@@ -2,11 +2,10 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::curves::{GROUPS, Group, Quantity};
 use super::format::Format;
 use super::line::LineChoice;
-use super::pareto::ParetoChoice;
-use crate::study::error::Metric;
+use crate::report::error_figure::{Measure, Quantity};
+use crate::study::expectation::Expectation;
 
 /// The plots that share the foot of the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -28,7 +27,7 @@ pub struct Plots {
     pub tab: Tab,
     /// Whether the vertical axes are logarithmic.
     pub log: bool,
-    /// Which of [`GROUPS`] are drawn.
+    /// Which of [`Measure::ALL`] are drawn.
     pub groups: [bool; 3],
     /// Whether averages are drawn, and L1 ratios as they are.
     pub average: bool,
@@ -38,11 +37,11 @@ pub struct Plots {
     pub level: Option<usize>,
     /// What errors are against.
     #[serde(serialize_with = "name", deserialize_with = "named")]
-    pub metric: Metric,
+    pub metric: Expectation,
     /// The line of cells.
     pub line: LineChoice,
     /// What run time is set against.
-    pub pareto: ParetoChoice,
+    pub pareto: Expectation,
     /// Size and colours of exports.
     pub format: Format,
 }
@@ -56,9 +55,9 @@ impl Default for Plots {
             average: true,
             maximum: true,
             level: None,
-            metric: Metric::Thesis,
+            metric: Expectation::Thesis,
             line: LineChoice::default(),
-            pareto: ParetoChoice::default(),
+            pareto: Expectation::Ballistic,
             format: Format::default(),
         }
     }
@@ -71,38 +70,23 @@ impl Plots {
     }
 
     /// The plots that are drawn.
-    pub fn groups(&self) -> impl Iterator<Item = &'static Group> {
-        GROUPS.iter().zip(self.groups).filter_map(|(group, drawn)| drawn.then_some(group))
+    pub fn measures(&self) -> impl Iterator<Item = Measure> {
+        Measure::ALL.into_iter().zip(self.groups).filter_map(|(measure, drawn)| drawn.then_some(measure))
     }
 
     /// The level that is drawn: all where the metric does not tell levels apart.
     pub fn level(&self) -> Option<usize> {
-        self.level.filter(|_| tells_levels_apart(self.metric))
-    }
-}
-
-/// Whether a metric has a row for each level.
-pub fn tells_levels_apart(metric: Metric) -> bool {
-    matches!(metric, Metric::Thesis | Metric::Corrected)
-}
-
-/// What a metric compares, in a line.
-pub fn about(metric: Metric) -> &'static str {
-    match metric {
-        Metric::Thesis => "Every level against the mean of its children",
-        Metric::Corrected => "Every level against a uniform volume, downsampled",
-        Metric::Merged => "The merged light against a uniform volume",
-        Metric::Ballistic => "The merged light that has moved against what truly arrives along straight lines",
+        self.level.filter(|_| self.metric.has_levels())
     }
 }
 
 /// Writes a metric's name.
-fn name<S: Serializer>(metric: &Metric, serializer: S) -> Result<S::Ok, S::Error> {
+fn name<S: Serializer>(metric: &Expectation, serializer: S) -> Result<S::Ok, S::Error> {
     metric.name().serialize(serializer)
 }
 
 /// Reads a metric's name; the thesis's for one that is not known.
-fn named<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Metric, D::Error> {
+fn named<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Expectation, D::Error> {
     let name = String::deserialize(deserializer)?;
-    Ok(Metric::ALL.into_iter().find(|metric| metric.name() == name).unwrap_or(Metric::Thesis))
+    Ok(Expectation::ALL.into_iter().find(|metric| metric.name() == name).unwrap_or(Expectation::Thesis))
 }

@@ -6,8 +6,8 @@ use super::Session;
 use super::plots::Tab;
 use super::view::Stage;
 use crate::app::worker::Order;
-use crate::app::worker::look::{Against, Cloud, CloudAsk, Light, Look, Of, Pane, Pin, PinSample, Shown, State};
-use crate::study::error::Metric;
+use crate::app::worker::look::{Cloud, CloudAsk, Light, Look, Of, Pane, Pin, PinSample, Shown, State};
+use crate::study::expectation::Expectation;
 
 /// How light in space is looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,7 +38,7 @@ pub struct Sight {
     /// Whether the views show it, after the last action.
     pub answered: bool,
     /// The metric that the worker was told to measure by first.
-    measured_by: Option<Metric>,
+    measured_by: Option<Expectation>,
     /// How light in space is looked at.
     pub space: SpaceLook,
     /// The cell that stays in sight.
@@ -91,12 +91,8 @@ impl Session {
     }
 
     /// What errors of cells are against: the same as in the plots.
-    pub fn against(&self) -> Against {
-        match self.settings.plots.metric {
-            Metric::Thesis => Against::Children,
-            Metric::Corrected | Metric::Merged => Against::Uniform,
-            Metric::Ballistic => Against::Truth,
-        }
+    pub fn against(&self) -> Expectation {
+        self.settings.plots.metric
     }
 
     /// What is to be seen.

@@ -1,7 +1,6 @@
 //! Cuts what the window asks to see out of a simulation. It runs on the worker, so that the window
 //! never walks a volume.
 
-mod cell_error;
 mod cloud;
 
 use std::sync::Arc;
@@ -12,14 +11,13 @@ use crate::field::{Channels, Grid, Octree, downsample_into};
 use crate::report::slice::{Plane, Slice};
 use crate::sh::Sh;
 use crate::simulation::Simulation;
-use crate::study::ballistic;
-use crate::transport::ballistic::Ballistic;
-use cell_error::Yardstick;
+use crate::study::expectation::References;
+use crate::study::light;
 pub use cloud::cloud;
 
 /// Everything that `look` asks for. What is not there is left out: tracks, and what truly arrives while it is not
 /// known.
-pub fn panes(tracks: &mut [Track], truth: Option<&Ballistic>, look: &Look) -> Vec<Shown> {
+pub fn panes(tracks: &mut [Track], references: &References, look: &Look) -> Vec<Shown> {
     let Some(first) = tracks.first() else { return Vec::new() };
     // Where levels are asked for, volumes of a single level show the mean light in cells as large.
     let last = first.now().sizes().count() - 1;
@@ -28,14 +26,14 @@ pub fn panes(tracks: &mut [Track], truth: Option<&Ballistic>, look: &Look) -> Ve
         Layer::Merged => Layer::Merged,
     };
     let look = Look { layer, ..look.clone() };
-    look.panes.iter().filter_map(|pane| cut(tracks, truth, *pane, &look)).collect()
+    look.panes.iter().filter_map(|pane| cut(tracks, references, *pane, &look)).collect()
 }
 
-fn cut(tracks: &mut [Track], truth: Option<&Ballistic>, pane: Pane, look: &Look) -> Option<Shown> {
+fn cut(tracks: &mut [Track], references: &References, pane: Pane, look: &Look) -> Option<Shown> {
     let Look { layer, plane, .. } = *look;
     let other = match pane.minus {
         None => None,
-        Some(state) => Some(taken(tracks, truth, pane, state, look)?),
+        Some(state) => Some(taken(tracks, references, pane, state, look)?),
     };
     let track = match pane.state.of {
         Of::Track(track) => tracks.get_mut(track)?,
@@ -45,18 +43,17 @@ fn cut(tracks: &mut [Track], truth: Option<&Ballistic>, pane: Pane, look: &Look)
     let forgotten = track.at(pane.state.iteration).is_none();
     let state = track.at(if forgotten { None } else { pane.state.iteration })?;
     let mut slice = match pane.state.of {
-        Of::Truth => flat(truth?.light(), state.channels(), layer, plane),
-        Of::Track(_) if pane.moved() => flat(&ballistic::moved(state), state.channels(), layer, plane),
+        Of::Truth => flat(references.ballistic.as_ref()?.light(), state.channels(), layer, plane),
+        Of::Track(_) if pane.moved() => flat(&light::moved(state), state.channels(), layer, plane),
         Of::Track(_) => slice(state, pane.light, layer, plane),
     };
     let has_errors = other.is_none() && pane.light == Light::Accumulated && pane.state.of != Of::Truth;
     if let Some(other) = other {
         subtract(&mut slice, &other);
     }
-    let errors = match Yardstick::new(state, look.against, truth).filter(|_| has_errors) {
-        Some(yardstick) => slice.cells.iter().map(|cell| yardstick.error(state, cell.level, cell.cell)).collect(),
-        None => Vec::new(),
-    };
+    let held = if has_errors { look.against.of(state, references) } else { None };
+    let errors =
+        held.map_or_else(Vec::new, |held| slice.cells.iter().map(|cell| held.cell(cell.level, cell.cell)).collect());
     let plane = slice.plane;
     let side = slice.side;
     let finest = |i: usize| plane.axis.cell(plane.index, i % side, i / side);
@@ -69,17 +66,17 @@ fn cut(tracks: &mut [Track], truth: Option<&Ballistic>, pane: Pane, look: &Look)
 /// What is taken away from a view.
 fn taken(
     tracks: &mut [Track],
-    truth: Option<&Ballistic>,
+    references: &References,
     pane: Pane,
     state: State,
     &Look { layer, plane, .. }: &Look,
 ) -> Option<Slice> {
     match state.of {
-        Of::Truth => Some(flat(truth?.light(), tracks.first()?.now().channels(), layer, plane)),
+        Of::Truth => Some(flat(references.ballistic.as_ref()?.light(), tracks.first()?.now().channels(), layer, plane)),
         Of::Track(track) => {
             let state = tracks.get_mut(track)?.at(state.iteration)?;
             match pane.moved() {
-                true => Some(flat(&ballistic::moved(state), state.channels(), layer, plane)),
+                true => Some(flat(&light::moved(state), state.channels(), layer, plane)),
                 false => Some(slice(state, pane.light, layer, plane)),
             }
         }
@@ -165,10 +162,11 @@ pub(in crate::app) mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::app::worker::look::{Against, CloudAsk};
+    use crate::app::worker::look::CloudAsk;
     use crate::report::slice::Axis;
     use crate::scene::{Preset, Problem};
     use crate::simulation::Action;
+    use crate::study::expectation::Expectation;
 
     pub fn track(preset: &str) -> Track {
         let preset = Preset::parse(preset, Path::new("test")).unwrap();
@@ -183,7 +181,39 @@ pub(in crate::app) mod tests {
         let state = State { of: Of::Track(0), iteration: None };
         let pane = Pane { light: Light::Accumulated, state, minus };
         let cloud = Some(CloudAsk { pane, threshold: 0.0 });
-        Look { panes: vec![pane], layer, plane: Plane { axis: Axis::Z, index: 2 }, against: Against::Uniform, cloud }
+        Look {
+            panes: vec![pane],
+            layer,
+            plane: Plane { axis: Axis::Z, index: 2 },
+            against: Expectation::Corrected,
+            cloud,
+        }
+    }
+
+    fn none() -> References {
+        References::default()
+    }
+
+    /// What truly arrives in a track's scene.
+    fn references(track: &Track) -> References {
+        let mut references = none();
+        Expectation::Ballistic.prepare(track.now().problem(), &mut references, &|_| true);
+        references
+    }
+
+    #[test]
+    fn errors_against_a_uniform_volume_vanish_where_nothing_is_propagated() {
+        let preset = Preset::parse(ONE, Path::new("test")).unwrap();
+        let mut fresh = Track::new(Problem::build(&preset, Path::new("")).unwrap(), 1 << 20).unwrap();
+        fresh.act(Action::Inject);
+        fresh.act(Action::Downsample);
+        let shown = panes(&mut [fresh], &none(), &look(Layer::Level(2), None));
+        assert_eq!(shown[0].errors.len(), 4);
+        assert!(shown[0].errors.iter().all(|error| error.unwrap().absolute < 1e-6));
+        let shown = panes(&mut [track(ONE)], &none(), &look(Layer::Level(2), None));
+        assert!(shown[0].errors.iter().any(|error| error.unwrap().absolute > 1e-4));
+        let finest = panes(&mut [track(ONE)], &none(), &look(Layer::Level(0), None));
+        assert!(finest[0].errors.iter().all(Option::is_none));
     }
 
     pub const ONE: &str = "(version: 1, size: 8, injectors: [(kind: Single(cell: (2, 2, 2)))], \
@@ -193,10 +223,10 @@ pub(in crate::app) mod tests {
     fn a_difference_from_itself_is_dark_and_from_the_past_is_what_was_added() {
         let mut tracks = [track(ONE)];
         let own = State { of: Of::Track(0), iteration: None };
-        let shown = panes(&mut tracks, None, &look(Layer::Merged, Some(own)));
+        let shown = panes(&mut tracks, &none(), &look(Layer::Merged, Some(own)));
         assert!(shown[0].slice.cells.iter().all(|cell| cell.light.iter().all(|sh| sh.is_zero())));
         let before = State { of: Of::Track(0), iteration: Some(1) };
-        let shown = panes(&mut tracks, None, &look(Layer::Level(0), Some(before)));
+        let shown = panes(&mut tracks, &none(), &look(Layer::Level(0), Some(before)));
         for cell in &shown[0].slice.cells {
             let added = tracks[0].now().lights()[0].source.level(0).get(cell.cell);
             assert!((cell.light[0] - added).max_norm() < 1e-6);
@@ -206,19 +236,20 @@ pub(in crate::app) mod tests {
     #[test]
     fn what_truly_arrives_is_seen_beside_the_light_and_its_difference_is_from_what_moved() {
         let mut tracks = [track(ONE)];
-        let truth = Ballistic::new(tracks[0].now().problem(), &|_| true).unwrap();
+        let references = references(&tracks[0]);
+        let truth = references.ballistic.clone().unwrap();
         let own = State { of: Of::Track(0), iteration: None };
         let arrived =
             |minus| Pane { light: Light::Accumulated, state: State { of: Of::Truth, iteration: None }, minus };
         let look = Look { panes: vec![arrived(None), arrived(Some(own))], ..look(Layer::Merged, None) };
-        assert!(panes(&mut tracks, None, &look).is_empty());
-        let shown = panes(&mut tracks, Some(&truth), &look);
-        let moved = ballistic::moved(tracks[0].now());
+        assert!(panes(&mut tracks, &none(), &look).is_empty());
+        let shown = panes(&mut tracks, &references, &look);
+        let moved = light::moved(tracks[0].now());
         for (is, difference) in shown[0].slice.cells.iter().zip(&shown[1].slice.cells) {
             assert_eq!(is.light[0], truth.light()[0].get(is.cell));
             assert_eq!(difference.light[0], is.light[0] - moved[0].get(is.cell));
         }
-        let coarse = panes(&mut tracks, Some(&truth), &Look { layer: Layer::Level(2), ..look });
+        let coarse = panes(&mut tracks, &references, &Look { layer: Layer::Level(2), ..look });
         assert_eq!(coarse[0].slice.cells.len(), 4);
     }
 }

@@ -8,11 +8,11 @@ use std::time::{Duration, Instant};
 use crate::app::worker::cut;
 use crate::app::worker::ledger::Ledger;
 use crate::app::worker::look::{Look, Pin};
-use crate::app::worker::track::{Measured, Track};
+use crate::app::worker::track::{self, Track};
 use crate::app::worker::{Load, News, Order, Progress, Start};
 use crate::scene::Problem;
 use crate::simulation::{Action, Change};
-use crate::study::error::Metric;
+use crate::study::expectation::{Expectation, References};
 use crate::transport::ballistic::Ballistic;
 
 /// The least time between two pictures of a run in progress.
@@ -44,9 +44,9 @@ pub struct Desk {
     seconds: f64,
     pictured: Option<Instant>,
     /// What is measured against; it is that of the scene that runs.
-    truth: Option<Arc<Ballistic>>,
+    references: References,
     /// The metric that is seen.
-    metric: Option<Metric>,
+    metric: Option<Expectation>,
     measured: Ledger,
 }
 
@@ -72,7 +72,7 @@ impl Desk {
             brightest: [0; 3],
             seconds: 0.0,
             pictured: None,
-            truth: None,
+            references: References::default(),
             metric: None,
             measured: Ledger::default(),
         }
@@ -191,21 +191,24 @@ impl Desk {
 
     /// Takes a reference, if it is that of the scene that runs.
     fn measure_against(&mut self, truth: Option<Arc<Ballistic>>) {
-        let problem = self.tracks.first().map(|track| track.now().problem());
-        self.truth = truth.filter(|truth| problem.is_some_and(|problem| truth.is_of(problem)));
-        self.measured.forget(Metric::Ballistic);
+        self.references.ballistic = truth;
+        match self.tracks.first() {
+            Some(track) => self.references.turn_to(track.now().problem()),
+            None => self.references = References::default(),
+        }
+        self.measured.forget(Expectation::Ballistic);
     }
 
     /// What is measured, what is seen first.
-    fn metrics(&self) -> Vec<Metric> {
+    fn metrics(&self) -> Vec<Expectation> {
         let small = self.tracks.first().is_some_and(|track| track.now().sizes().finest() <= MEASURED_BY_ALL);
-        let others = Metric::ALL.into_iter().filter(|metric| small && Some(*metric) != self.metric);
-        let possible = |metric: &Metric| *metric != Metric::Ballistic || self.truth.is_some();
+        let others = Expectation::ALL.into_iter().filter(|metric| small && Some(*metric) != self.metric);
+        let possible = |metric: &Expectation| metric.is_ready(&self.references);
         self.metric.into_iter().chain(others).filter(possible).collect()
     }
 
     /// The iterations that are still to be measured, oldest first.
-    fn unmeasured(&self, metric: Metric) -> impl DoubleEndedIterator<Item = usize> {
+    fn unmeasured(&self, metric: Expectation) -> impl DoubleEndedIterator<Item = usize> {
         self.measured.open(metric, self.oldest()..=self.iteration())
     }
 
@@ -228,11 +231,11 @@ impl Desk {
         }
     }
 
-    fn measure(&mut self, metric: Metric, iteration: usize) {
-        let truth = self.truth.as_deref();
+    fn measure(&mut self, metric: Expectation, iteration: usize) {
+        let references = &self.references;
         let errors = self.tracks.iter_mut().map(|track| {
             let state = track.at(Some(iteration));
-            state.map(|state| Measured::of(state, metric, truth)).unwrap_or_default()
+            state.map(|state| track::errors(state, metric, references)).unwrap_or_default()
         });
         let errors = errors.collect();
         self.measured.enter(metric, iteration);
@@ -249,7 +252,7 @@ impl Desk {
             Err(line) => return self.tell(News::Failed(line)),
         }
         let problem = Arc::clone(self.tracks[0].now().problem());
-        self.truth = self.truth.take().filter(|truth| truth.is_of(&problem));
+        self.references.turn_to(&problem);
         self.brightest = std::array::from_fn(|axis| problem.brightest_slab(axis));
         self.tell(News::Loaded(problem));
         match load.start {
@@ -335,7 +338,7 @@ impl Desk {
         }
         self.tell_pin();
         let Some(look) = self.look.clone() else { return };
-        let panes = cut::panes(&mut self.tracks, self.truth.as_deref(), &look);
+        let panes = cut::panes(&mut self.tracks, &self.references, &look);
         let cloud = cut::cloud(&mut self.tracks, &look);
         self.pictured = Some(Instant::now());
         self.tell(News::Shown { look, panes, cloud });

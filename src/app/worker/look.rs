@@ -6,6 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::report::slice::{Plane, Slice};
 use crate::sh::Sh;
+use crate::study::error::CellError;
+use crate::study::expectation::Expectation;
 
 /// One of the three octrees.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -112,29 +114,6 @@ impl Pane {
     }
 }
 
-/// What cells ought to hold, as their errors have it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Against {
-    /// The mean of their children.
-    #[default]
-    Children,
-    /// The mean of all finest cells in them: what a uniform volume holds there.
-    Uniform,
-    /// The mean of what truly arrives in them; the merged light that has moved is compared with it.
-    Truth,
-}
-
-impl Against {
-    /// What follows "error against" on screen.
-    pub fn name(self) -> &'static str {
-        match self {
-            Against::Children => "its children",
-            Against::Uniform => "a uniform volume",
-            Against::Truth => "what truly arrives",
-        }
-    }
-}
-
 /// The three-dimensional view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CloudAsk {
@@ -154,18 +133,9 @@ pub struct Look {
     /// Where they cut.
     pub plane: Plane,
     /// What cells' errors are against.
-    pub against: Against,
+    pub against: Expectation,
     /// The three-dimensional view, if it is open.
     pub cloud: Option<CloudAsk>,
-}
-
-/// How far a cell is from what it ought to be.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct CellError {
-    /// ‖O − Ô‖∞.
-    pub absolute: f32,
-    /// ‖O − Ô‖∞ / ‖O‖∞; `None` where only the expectation is lit.
-    pub relative: Option<f32>,
 }
 
 /// One view as it is.

@@ -1,38 +1,15 @@
 //! One propagator on its way through a scene: the simulation, its past and its errors.
 
-use crate::app::worker::history::{self, History};
+use crate::app::worker::history::History;
 use crate::scene::Problem;
 use crate::simulation::{Action, Change, Refusal, Simulation};
-use crate::study::ballistic;
-use crate::study::error::{self, ErrorRow, Metric};
-use crate::study::reference;
-use crate::transport::ballistic::Ballistic;
+use crate::study::error::ErrorRow;
+use crate::study::expectation::{Expectation, References};
 
-/// The errors of one state by one metric.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Measured {
-    /// For all levels and for each, where the metric tells them apart.
-    pub rows: Vec<ErrorRow>,
-    /// The L1 ratio against what truly arrives after the scalar that fits best, where that is known.
-    pub best_fit: Option<f64>,
-}
-
-impl Measured {
-    /// Measures a state; what is dark, or lacks the `truth` that the ballistic metric needs, has no errors.
-    pub fn of(state: &Simulation<f32>, metric: Metric, truth: Option<&Ballistic>) -> Self {
-        if (0..state.sizes().count()).all(|i| state.index().level(i).count() == 0) {
-            return Measured::default();
-        }
-        let rows = match metric {
-            Metric::Thesis => error::thesis(state),
-            Metric::Corrected => error::corrected(state, &reference::uniform(state)),
-            Metric::Merged => vec![error::merged(state, &reference::uniform(state))],
-            Metric::Ballistic => truth.map(|truth| ballistic::error(state, truth)).into_iter().collect(),
-        };
-        let fit = truth.filter(|_| metric == Metric::Ballistic);
-        let best_fit = fit.map(|truth| ballistic::best_fit(state, truth).fitted);
-        Measured { rows, best_fit }
-    }
+/// The errors of a state against an expectation; what is dark, or lacks the references, has none.
+pub fn errors(state: &Simulation<f32>, expectation: Expectation, references: &References) -> Vec<ErrorRow> {
+    let is_dark = (0..state.sizes().count()).all(|i| state.index().level(i).count() == 0);
+    if is_dark { Vec::new() } else { expectation.rows(state, references) }
 }
 
 /// A simulation that remembers.

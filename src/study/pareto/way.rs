@@ -6,16 +6,16 @@ use crate::field::Grid;
 use crate::scene::occluder::OcclusionMode;
 use crate::scene::propagation::Policy;
 use crate::scene::propagation::Snapshots;
-use crate::scene::propagation::ordinates::Lattice;
-use crate::scene::propagation::ordinates::Rule;
+use crate::scene::propagation::ordinates::{Lattice, Rule, Setting};
 use crate::scene::{Problem, Propagation};
 use crate::simulation::options::Wanted;
 use crate::simulation::{Refusal, Simulation};
-use crate::study::ballistic;
+use crate::study::light;
+use crate::study::pareto::{Propagator, Treatment};
 use crate::study::reference;
 use crate::transport::lattice::fixed_point::{NoFixedPoint, Solver};
 use crate::transport::lattice::schemes;
-use crate::transport::ordinates::{Ordinates, Room};
+use crate::transport::ordinates::{self, Ordinates, Room};
 use crate::transport::transparency::Transparency;
 
 /// Iterations after which a scheme is looked at.
@@ -27,7 +27,7 @@ const DIRECTIONS: [usize; 5] = [24, 48, 72, 128, 192];
 
 /// A way to get at the light.
 pub(super) enum Way {
-    Iterate { scheme: &'static str, levels: &'static str, iterations: usize },
+    Iterate { scheme: &'static str, treatment: Treatment, iterations: usize },
     Solve { scheme: &'static str, tolerance: f64 },
     Ordinates(Lattice, Ordinates),
 }
@@ -51,24 +51,26 @@ pub(super) struct Outcome {
 
 impl Start {
     pub(super) fn new(problem: &Problem) -> Result<Self, Refusal> {
-        let problem = with(problem, schemes::names()[0], "uniform", 0);
+        let problem = with(problem, schemes::names()[0], Treatment::Uniform, 0);
         let blocks = problem.occlusion.mode != OcclusionMode::Off;
         let occluders = Transparency::new(problem.size, if blocks { &problem.solids } else { &[] });
         Ok(Start { injected: reference::injected(&problem)?, occluders, problem })
     }
 }
 
-/// The scene under a scheme, everything summed: `levels` is uniform for a single level, or a policy's name.
-pub(super) fn with(problem: &Problem, scheme: &str, levels: &str, iterations: usize) -> Problem {
-    let policy = Policy::ALL.into_iter().find(|policy| policy.name() == levels);
+/// The scene under a scheme and a treatment of its levels, everything summed.
+pub(super) fn with(problem: &Problem, scheme: &str, treatment: Treatment, iterations: usize) -> Problem {
+    let (levels, coarsest) = match treatment {
+        Treatment::Octree(policy) => (policy, 1),
+        Treatment::Uniform | Treatment::Converged => (Policy::default(), problem.size),
+    };
     let propagation = Propagation {
         scheme: scheme.to_owned(),
         iterations,
-        levels: policy.unwrap_or_default(),
+        levels,
         snapshots: Snapshots::Thesis,
         ..problem.propagation.clone()
     };
-    let coarsest = if policy.is_some() { 1 } else { problem.size };
     Problem { coarsest, propagation, ..problem.clone() }
 }
 
@@ -76,8 +78,8 @@ pub(super) fn with(problem: &Problem, scheme: &str, levels: &str, iterations: us
 pub(super) fn all() -> Vec<Way> {
     let mut ways = Vec::new();
     for scheme in schemes::names() {
-        for levels in ["uniform", Policy::Same.name(), Policy::Consistent.name()] {
-            ways.extend(ITERATIONS.map(|iterations| Way::Iterate { scheme, levels, iterations }));
+        for treatment in Treatment::ALL.into_iter().filter(|one| *one != Treatment::Converged) {
+            ways.extend(ITERATIONS.map(|iterations| Way::Iterate { scheme, treatment, iterations }));
         }
         ways.extend(TOLERANCES.map(|tolerance| Way::Solve { scheme, tolerance }));
     }
@@ -90,20 +92,21 @@ pub(super) fn all() -> Vec<Way> {
 }
 
 impl Way {
-    pub(super) fn scheme(&self) -> String {
+    pub(super) fn propagator(&self) -> Propagator {
         match self {
-            Way::Iterate { scheme, .. } | Way::Solve { scheme, .. } => (*scheme).to_owned(),
+            Way::Iterate { scheme, .. } | Way::Solve { scheme, .. } => Propagator { scheme, setting: None },
             Way::Ordinates(lattice, ordinates) => {
-                format!("ordinates-{}-{}-{}", lattice.name(), ordinates.rule().name(), ordinates.count())
+                let setting = Setting { directions: ordinates.count(), rule: ordinates.rule(), lattice: *lattice };
+                Propagator { scheme: ordinates::NAME, setting: Some(setting) }
             }
         }
     }
 
-    pub(super) fn levels(&self) -> &'static str {
+    pub(super) fn treatment(&self) -> Treatment {
         match self {
-            Way::Iterate { levels, .. } => levels,
-            Way::Solve { .. } => "converged",
-            Way::Ordinates(..) => "uniform",
+            Way::Iterate { treatment, .. } => *treatment,
+            Way::Solve { .. } => Treatment::Converged,
+            Way::Ordinates(..) => Treatment::Uniform,
         }
     }
 
@@ -112,17 +115,17 @@ impl Way {
         let Start { problem, injected, occluders } = start;
         let lights = injected.lights().iter().map(|light| light.source.level(0));
         match self {
-            Way::Iterate { scheme, levels, iterations } => {
-                let mut simulation = Simulation::<f32>::new(with(problem, scheme, levels, *iterations))?;
+            Way::Iterate { scheme, treatment, iterations } => {
+                let mut simulation = Simulation::<f32>::new(with(problem, scheme, *treatment, *iterations))?;
                 let started = Instant::now();
                 simulation.run_all(Wanted::Merged);
                 let seconds = started.elapsed().as_secs_f64();
                 let merged = simulation.lights().iter().filter_map(|light| light.merged.clone());
-                let moved = ballistic::moved(&simulation);
+                let moved = light::moved(&simulation);
                 Ok(Outcome { all: Some(merged.collect()), moved, iterations: *iterations, seconds })
             }
             Way::Solve { scheme, tolerance } => {
-                let problem = with(problem, scheme, "uniform", 0);
+                let problem = with(problem, scheme, Treatment::Uniform, 0);
                 let mut solver = Solver::for_problem(&problem)?;
                 let mut all: Vec<Grid<f32>> = lights.clone().map(|_| Grid::new(problem.size)).collect();
                 let mut iterations = 0;

@@ -40,14 +40,17 @@ impl OnCard {
     pub fn made(setup: &Setup) -> Result<Box<dyn Transport<f32>>, Refusal> {
         let no = |what: String| Refusal::Device { what };
         if setup.options.tolerance.is_some() {
-            return Err(no("a graphics card does not stop early; leave the tolerance out, or compute with --device cpu".into()));
+            return Err(no(
+                "a graphics card does not stop early; leave the tolerance out, or compute with --device cpu".into(),
+            ));
         }
         if setup.options.kernel == Kernel::Plain {
             return Err(no("the definition is computed by the processor alone".into()));
         }
         let lattice = Lattice::<f32>::new(setup)?;
         let channels = setup.channels.count();
-        let constants = constants(&lattice).ok_or_else(|| no("this scheme has another shape than the card's kernels".into()))?;
+        let constants =
+            constants(&lattice).ok_or_else(|| no("this scheme has another shape than the card's kernels".into()))?;
         let masks = masks(&lattice, setup.sizes, channels);
         let card = Device::shared().map_err(|error| no(error.to_string()))?;
         let volume =
@@ -84,8 +87,7 @@ impl OnCard {
     fn iterate(&mut self, state: &mut State<f32>, iterations: usize) -> Result<(), DeviceError> {
         let mut volume = self.volume.lock().unwrap_or_else(PoisonError::into_inner);
         if volume.is_none() {
-            *volume =
-                Some(Volume::new(Device::shared()?, self.sizes, self.channels, &self.constants, &self.masks)?);
+            *volume = Some(Volume::new(Device::shared()?, self.sizes, self.channels, &self.constants, &self.masks)?);
             self.loaded = false;
         }
         let Some(volume) = volume.as_mut() else { return Ok(()) };

@@ -36,11 +36,9 @@ fn bindings(kernel: Kernel) -> &'static [(u32, &'static str)] {
             (8, "the touched cells: job, place in its slabs, first entry of `around`, colour"),
             (9, "what is around them; the kernel's comments say what its entries are"),
         ],
-        Kernel::Merge => &[
-            (2, "the accumulated grids of one channel, a job for each level"),
-            (3, "the merged grid"),
-            (5, "marks"),
-        ],
+        Kernel::Merge => {
+            &[(2, "the accumulated grids of one channel, a job for each level"), (3, "the merged grid"), (5, "marks")]
+        }
     }
 }
 
@@ -165,7 +163,12 @@ mod tests {
             let text = kernel.text(&constants);
             for binding in 2..12 {
                 let is_bound = text.contains(&format!("@binding({binding})"));
-                assert_eq!(is_bound, bindings(kernel).iter().any(|(b, _)| *b == binding), "{} {binding}", kernel.name());
+                assert_eq!(
+                    is_bound,
+                    bindings(kernel).iter().any(|(b, _)| *b == binding),
+                    "{} {binding}",
+                    kernel.name()
+                );
             }
         }
         let page = page("two walls", "cascaded", 3.0, &constants, "wgsl");

@@ -5,6 +5,7 @@
 
 use std::fmt::Write;
 
+use crate::sh::Sh;
 use crate::transport::lattice::kernel::form::{Face, Form};
 use crate::transport::lattice::stencil::Stencil;
 
@@ -149,6 +150,16 @@ impl Constants {
         let _ = writeln!(text, "const HAS_SIDES: bool = {has_sides};\n");
         let values: Vec<String> = forms.iter().map(|form| face(form.side.as_ref().unwrap_or(&form.ahead))).collect();
         by_level(&mut text, "fn side_face(level: u32) -> Face", &values);
+        let values: Vec<String> = self
+            .levels
+            .iter()
+            .map(|(_, stencil)| {
+                let [band0, band1, ..] = stencil.reflect(Sh([1.0; 4])).0;
+                format!("vec4<f32>({})", numbers(&[band0, band1, band1, band1]))
+            })
+            .collect();
+        text.push_str("// What a level multiplies reflected light by.\n");
+        by_level(&mut text, "fn reflection(level: u32) -> vec4<f32>", &values);
         let cone = forms.first().and_then(|form| form.cone).filter(|r| r.is_finite()).unwrap_or(0.0);
         let high = (cone * cone) as f32;
         let low = (cone * cone - f64::from(high)) as f32;
@@ -174,7 +185,7 @@ impl Constants {
             .iter()
             .flat_map(|stencil| &stencil.taps()[0])
             .map(|tap| {
-                let vector = |sh: crate::sh::Sh<f32>| format!("vec4<f32>({})", numbers(&sh.0));
+                let vector = |sh: Sh<f32>| format!("vec4<f32>({})", numbers(&sh.0));
                 let [sampler, lobe, travel] = [tap.sampler, tap.lobe, tap.travel].map(vector);
                 format!("        Tap({sampler}, {lobe}, {travel}, {}u),\n", u32::from(tap.clamp))
             })

@@ -148,13 +148,18 @@ fn largest<T: Real>(numbers: &[T]) -> T {
 }
 
 /// How many times the largest coefficient of the source the largest of the target can be: every flux is at most Σ|sampler|
-/// times it, and 1 for the source that NVIDIA's first iteration keeps. A bounce (MATH.md section 9) adds at
-/// most 4.8·bounce·(G·Y ≤ K0·LOBE0 + K1·LOBE1) of the same flux.
+/// times it, and 1 for the source that NVIDIA's first iteration keeps. A fuzzy bounce (MATH.md section 9) adds at
+/// most 4.8·bounce·(G·Y ≤ K0·LOBE0 + K1·LOBE1)·G of the same flux, without p; a hard one at most bounce times what is
+/// sent.
 fn norm<T: Real>(stencil: &Stencil<T>, bounce: f64) -> f64 {
     let magnitude = |sh: crate::sh::Sh<T>| sh.widen().0.iter().map(|c| c.abs()).sum::<f64>();
-    let flux: f64 =
-        stencil.taps().iter().flatten().map(|tap| magnitude(tap.sampler) * tap.lobe.max_norm().to_f64()).sum();
-    1.0 + flux * (1.0 + 4.8 * bounce * (K0 * LOBE0 + K1 * LOBE1))
+    let flux = |gain: &dyn Fn(f64) -> f64| -> f64 {
+        let taps = stencil.taps().iter().flatten();
+        taps.map(|tap| magnitude(tap.sampler) * gain(tap.lobe.max_norm().to_f64())).sum()
+    };
+    let reflected = stencil.reflect(crate::sh::Sh::<T>([T::of(LOBE1); 4])).max_norm().to_f64();
+    let fuzzy = 4.8 * bounce * (K0 * LOBE0 + K1 * LOBE1) * reflected;
+    1.0 + flux(&|sent| (1.0 + bounce) * sent + fuzzy)
 }
 
 #[cfg(test)]

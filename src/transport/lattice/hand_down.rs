@@ -24,7 +24,8 @@ impl<T: Real> Lattice<T> {
                     Some(form) if acting.is_none() => once(form, source.level(i - 1).clone()),
                     _ => {
                         let mut moved = Grid::new(sizes.side(i - 1));
-                        let which = Which { level: i - 1, colour };
+                        let blocks = acting.is_some_and(|obstacles| obstacles.blocks(iteration + i));
+                        let which = Which { level: i - 1, colour, blocks };
                         step(acting, &self.stencils[i - 1], which, source.level(i - 1), &mut moved);
                         moved
                     }

@@ -26,10 +26,11 @@ impl<T: Real> Lattice<T> {
     pub(super) fn plainly(&mut self, state: &mut State<T>) -> Work {
         let keep_source = self.counts_twice(state);
         let acting = self.obstacles.as_deref().and_then(|obstacles| obstacles.acting(state.iteration + 1));
+        let blocks = acting.is_some_and(|obstacles| obstacles.blocks(state.iteration + 1));
         for (colour, light) in state.lights.iter_mut().enumerate() {
             for (i, stencil) in self.stencils.iter().enumerate() {
                 let (source, target) = (light.source.level(i), light.target.level_mut(i));
-                super::step(acting, stencil, Which { level: i, colour }, source, target);
+                super::step(acting, stencil, Which { level: i, colour, blocks }, source, target);
                 if keep_source {
                     target.add_grid(source);
                 }
@@ -84,7 +85,8 @@ impl<T: Real> Lattice<T> {
                     target: light.target.level_mut(i),
                     accumulated: light.accumulated.level_mut(i),
                     index: &mut state.index,
-                    which: Which { level: i, colour },
+                    level: i,
+                    colour,
                     stencil: &self.stencils[i],
                     obstacles: self.obstacles.as_deref(),
                     accumulating: self.accumulating.as_ref().map(|cells| &cells[i]),
@@ -162,7 +164,8 @@ struct Stage<'a, T> {
     target: &'a mut Grid<T>,
     accumulated: &'a mut Grid<T>,
     index: &'a mut IndexVolume,
-    which: Which,
+    level: usize,
+    colour: usize,
     stencil: &'a Stencil<T>,
     obstacles: Option<&'a Obstacles<T>>,
     /// The cells that accumulate, where not all do.
@@ -198,7 +201,7 @@ impl<'a, T: Real> Stage<'a, T> {
                 target: self.target,
                 target_lit: &mut known.target,
                 sum: self.accumulating.is_none().then_some(&mut *self.accumulated),
-                marks: self.index.level_mut(self.which.level),
+                marks: self.index.level_mut(self.level),
             };
             let need = needs.map(|needs| &needs[done..done + depth]);
             let tally = match among {
@@ -220,8 +223,9 @@ impl<'a, T: Real> Stage<'a, T> {
     /// The occluders that act in an iteration, counted from 1.
     fn among(&self, iteration: usize) -> Option<Among<'a, T>> {
         let obstacles = self.obstacles?.acting(iteration)?;
-        let touched = &obstacles.touched[self.which.level];
-        Some(Among { occluders: &obstacles.occluders, which: self.which, touched, stencil: self.stencil })
+        let (occluders, touched) = (&obstacles.occluders, &obstacles.touched[self.level]);
+        let which = Which { level: self.level, colour: self.colour, blocks: obstacles.blocks(iteration) };
+        Some(Among { occluders, which, touched, stencil: self.stencil })
     }
 }
 

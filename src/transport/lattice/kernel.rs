@@ -13,6 +13,7 @@ mod conformance;
 pub mod form;
 mod found;
 mod fuzzy;
+mod gather;
 pub mod occluded;
 pub mod pass;
 pub mod plain;

@@ -92,7 +92,8 @@ pub fn operators<T: Real>(
                 return Err(TooLarge { factor, level, limit });
             }
             let residence = staying.map(|s| 1.0 / (1.0 - s));
-            let stencil = Stencil::scaled(scheme, residence.map(|r| factor * leaving * r), clamp);
+            let stencil = Stencil::scaled(scheme, residence.map(|r| factor * leaving * r), clamp)
+                .reflecting(residence.map(|r| leaving * r));
             Ok(LevelOperator { stencil, residence })
         })
         .collect()

@@ -14,8 +14,10 @@ use crate::sh::Real;
 #[derive(Clone, Debug)]
 pub(super) struct Obstacles<T> {
     pub(super) occluders: Occluders<T>,
-    /// The first iteration in which they act, counted from 1.
+    /// The first iteration in which they stop light, counted from 1.
     from_iteration: usize,
+    /// Whether they reflect light before that.
+    reflects: bool,
     /// By level, the cells whose light depends on them.
     pub(super) touched: Vec<Touched<T>>,
 }
@@ -49,12 +51,18 @@ impl<T: Real> Obstacles<T> {
             }
         };
         let touched = (0..sizes.count()).map(|i| occluders.touched(i, sizes.side(i))).collect();
-        Some(Obstacles { occluders, from_iteration, touched })
+        let reflects = matches!(&occluders, Occluders::Fuzzy(fuzzy) if fuzzy.bounce != T::ZERO);
+        Some(Obstacles { occluders, from_iteration, reflects, touched })
     }
 
     /// Itself, if they act in an iteration, counted from 1.
     pub(super) fn acting(&self, iteration: usize) -> Option<&Self> {
-        (iteration >= self.from_iteration).then_some(self)
+        (self.reflects || self.blocks(iteration)).then_some(self)
+    }
+
+    /// Whether they stop light in an iteration, counted from 1.
+    pub(super) fn blocks(&self, iteration: usize) -> bool {
+        iteration >= self.from_iteration
     }
 
     /// Sees to it that cells which hard occluders let no light enter are sampled at level 0.

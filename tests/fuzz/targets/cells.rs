@@ -7,7 +7,7 @@ use super::scratch;
 /// Reads `bytes` as a file of this name: one line that says why not, or cells inside the volume with finite light.
 pub fn check(name: &str, bytes: &[u8]) {
     let path = scratch::file(name, bytes);
-    for column in [Column::Source, Column::Accumulated] {
+    for column in [None, Some(Column::Source), Some(Column::Accumulated)] {
         match cell_file::read(&path, 2, column) {
             Ok(cells) => {
                 assert!(cells.len() <= 8);

@@ -6,9 +6,10 @@ use egui_plot::{Corner, HoverPosition, Legend, Line, LineStyle, MarkerShape, Plo
 use crate::app::draw::axis::{decades, from_logarithm, iterations_apart};
 use crate::app::draw::ink::color;
 use crate::app::panels::field::name;
-use crate::app::session::curves::{Curves, Group};
+use crate::app::session::curves::Curves;
 use crate::app::session::plots::Plots;
 use crate::report::colour::Theme;
+use crate::report::error_figure::Measure;
 
 /// Curves of at most this many points show each of them.
 const DOTTED_UP_TO: usize = 40;
@@ -27,7 +28,7 @@ pub struct Drawing<'a> {
 /// The plots side by side in the room there is.
 pub fn ui(ui: &mut Ui, plots: &Plots, drawing: &Drawing) {
     let room = ui.available_size();
-    let count = plots.groups().count();
+    let count = plots.measures().count();
     if count == 0 {
         ui.weak("Nothing is chosen to be drawn: see Curves.");
     }
@@ -35,20 +36,20 @@ pub fn ui(ui: &mut Ui, plots: &Plots, drawing: &Drawing) {
     let each = vec2(((room.x + gap) / count.max(1) as f32 - gap).max(80.0), room.y.max(60.0));
     ui.horizontal_top(|ui| {
         ui.spacing_mut().item_spacing.x = gap;
-        plots.groups().for_each(|group| plot(ui, plots, each, group, drawing));
+        plots.measures().for_each(|measure| plot(ui, plots, each, measure, drawing));
     });
 }
 
-fn plot(ui: &mut Ui, plots: &Plots, size: Vec2, group: &Group, drawing: &Drawing) {
+fn plot(ui: &mut Ui, plots: &Plots, size: Vec2, measure: Measure, drawing: &Drawing) {
     let Drawing { runs, theme, now } = *drawing;
     let log = plots.log;
     let (metric, level) = (plots.metric, plots.level());
     let iterations = runs.iter().flat_map(|run| &run.rows).map(|row| row.iteration).max().unwrap_or(0);
-    let mut plot = Plot::new(group.title)
+    let mut plot = Plot::new(measure.title())
         .width(size.x)
         .height(size.y)
         .x_axis_label("Iteration k")
-        .y_axis_label(group.label)
+        .y_axis_label(measure.label())
         .legend(Legend::default().position(Corner::RightBottom).background_alpha(0.6).follow_insertion_order(true))
         .include_x(0.0)
         .include_x(iterations.max(4) as f64)
@@ -66,8 +67,8 @@ fn plot(ui: &mut Ui, plots: &Plots, size: Vec2, group: &Group, drawing: &Drawing
     let response = plot.show(ui, |plot| {
         for run in runs {
             let many = runs.len() > 1;
-            for quantity in group.quantities.iter().filter(|quantity| plots.draws(quantity)) {
-                let points = drawn((quantity.curve)(run, metric, level), log);
+            for quantity in measure.quantities().into_iter().filter(|quantity| plots.draws(quantity)) {
+                let points = drawn(run.curve(metric, level, quantity.value), log);
                 if points.is_empty() {
                     continue;
                 }
@@ -83,7 +84,7 @@ fn plot(ui: &mut Ui, plots: &Plots, size: Vec2, group: &Group, drawing: &Drawing
         let mark = VLine::new("", now as f64).color(color(theme.muted)).width(1.0);
         plot.vline(mark.style(LineStyle::dotted_dense()).allow_hover(false));
     });
-    name(&response.response, group.title);
+    name(&response.response, measure.title());
 }
 
 /// The points as drawn: their logarithms where the axis is logarithmic, zeros and what is not finite left out.

@@ -8,9 +8,10 @@ use crate::app::panels::field::name;
 use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
 use crate::app::session::command::Command;
-use crate::app::session::curves::{Curves, GROUPS};
-use crate::app::session::plots::{Plots, about, tells_levels_apart};
-use crate::study::error::Metric;
+use crate::app::session::curves::Curves;
+use crate::app::session::plots::Plots;
+use crate::report::error_figure::Measure;
+use crate::study::expectation::Expectation;
 
 /// The controls over the plots.
 pub fn controls(ui: &mut Ui, session: &Session, asks: &mut Asks) {
@@ -26,7 +27,7 @@ pub fn controls(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     truth(ui, session, asks);
     // The present iteration alone is measured before the eye is there.
     let progress = &session.run.progress;
-    if progress.until.is_none() && progress.behind > Metric::ALL.len() {
+    if progress.until.is_none() && progress.behind > Expectation::ALL.len() {
         ui.spinner();
         ui.label(format!("{} measurements to come", progress.behind));
     }
@@ -36,13 +37,13 @@ pub fn controls(ui: &mut Ui, session: &Session, asks: &mut Asks) {
 fn choices(ui: &mut Ui, plots: &mut Plots, levels: usize) {
     let chosen = plots.metric;
     let choice = ComboBox::from_id_salt("metric").selected_text(chosen.name()).width(76.0).show_ui(ui, |ui| {
-        for metric in Metric::ALL {
-            ui.selectable_value(&mut plots.metric, metric, metric.name()).on_hover_text(about(metric));
+        for metric in Expectation::ALL {
+            ui.selectable_value(&mut plots.metric, metric, metric.name()).on_hover_text(metric.summary());
         }
     });
-    name(&choice.response.on_hover_text(about(chosen)), "Error metric");
+    name(&choice.response.on_hover_text(chosen.summary()), "Error metric");
     let text = |level: Option<usize>| level.map_or("All levels".to_owned(), |level| format!("Level {level}"));
-    ui.add_enabled_ui(tells_levels_apart(chosen), |ui| {
+    ui.add_enabled_ui(chosen.has_levels(), |ui| {
         let shown = text(plots.level());
         let choice = ComboBox::from_id_salt("error level").selected_text(shown).width(76.0).show_ui(ui, |ui| {
             for level in std::iter::once(None).chain((1..levels).map(Some)) {
@@ -52,8 +53,8 @@ fn choices(ui: &mut Ui, plots: &mut Plots, levels: usize) {
         name(&choice.response, "Error level");
     });
     let menu = lasting_menu(ui, "Curves", |ui| {
-        for (group, drawn) in GROUPS.iter().zip(&mut plots.groups) {
-            ui.checkbox(drawn, group.title);
+        for (measure, drawn) in Measure::ALL.into_iter().zip(&mut plots.groups) {
+            ui.checkbox(drawn, measure.title());
         }
         ui.separator();
         ui.checkbox(&mut plots.average, "Average —").on_hover_text("Solid lines; of L1 ratios, as they are");

@@ -11,27 +11,28 @@ use crate::app::panels::field::name;
 use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
 use crate::app::session::command::Command;
-use crate::app::session::pareto::{LEVELS, ParetoChoice, against, is_of, point};
+use crate::app::session::pareto::{CHOICES, against, choice_name};
 use crate::report::colour::Theme;
-use crate::study::pareto::{Row, front};
-use crate::transport;
+use crate::report::pareto_figure::{point, propagator_name, schemes};
+use crate::scene::propagation::Policy;
+use crate::study::pareto::{Row, Treatment, front};
 
-/// The marks that tell the ways to treat levels apart.
-const MARKS: [(MarkerShape, &str); 4] = [
-    (MarkerShape::Circle, "⏺ finest level alone"),
-    (MarkerShape::Square, "⏹ one factor for all levels"),
-    (MarkerShape::Up, "⏶ consistent levels"),
-    (MarkerShape::Cross, "✖ fixed point, solved for"),
+/// The treatments of the levels, the marks that tell them apart, and what the legend says.
+const TREATMENTS: [(Treatment, MarkerShape, &str); 4] = [
+    (Treatment::Uniform, MarkerShape::Circle, "⏺ finest level alone"),
+    (Treatment::Octree(Policy::Same), MarkerShape::Square, "⏹ one factor for all levels"),
+    (Treatment::Octree(Policy::Consistent), MarkerShape::Up, "⏶ consistent levels"),
+    (Treatment::Converged, MarkerShape::Cross, "✖ fixed point, solved for"),
 ];
 
 /// The controls over the plot.
 pub fn controls(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     let mut plots = session.settings.plots.clone();
     let choice = &mut plots.pareto;
-    let combo = ComboBox::from_id_salt("pareto reference").selected_text(choice.name()).width(188.0);
+    let combo = ComboBox::from_id_salt("pareto reference").selected_text(choice_name(*choice)).width(188.0);
     let combo = combo.show_ui(ui, |ui| {
-        for one in ParetoChoice::ALL {
-            ui.selectable_value(choice, one, one.name());
+        for one in CHOICES {
+            ui.selectable_value(choice, one, choice_name(one));
         }
     });
     name(&combo.response.on_hover_text("What errors are against"), "Error against");
@@ -63,10 +64,11 @@ pub fn ui(ui: &mut Ui, session: &Session, theme: &Theme) {
         ui.weak(text);
         return;
     }
-    let schemes = transport::names().into_iter().enumerate();
-    legend_row(ui, schemes.map(|(i, scheme)| (color(theme.curve(i)), scheme.to_owned())));
+    let schemes = schemes(&rows);
+    let named = schemes.iter().enumerate();
+    legend_row(ui, named.map(|(i, scheme)| (color(theme.curve(i)), (*scheme).to_owned())));
     small_row(ui, |ui| {
-        for (_, text) in MARKS {
+        for (_, _, text) in TREATMENTS {
             ui.small(text);
             ui.add_space(8.0);
         }
@@ -93,11 +95,11 @@ pub fn ui(ui: &mut Ui, session: &Session, theme: &Theme) {
         let beaten: Vec<[f64; 2]> = front(&rows).into_iter().map(logged).collect();
         let line = Line::new("what nothing beats", PlotPoints::new(beaten)).color(color(theme.ink)).width(1.2);
         plot.line(line.style(LineStyle::Solid).allow_hover(false));
-        for (i, scheme) in transport::names().into_iter().enumerate() {
-            for (levels, (shape, _)) in LEVELS.into_iter().zip(MARKS) {
-                let ours = rows.iter().filter(|row| is_of(row, scheme) && row.levels == levels);
-                let points: Vec<[f64; 2]> = ours.map(|row| logged(row)).collect();
-                let points = Points::new(scheme, PlotPoints::new(points)).shape(shape);
+        for (i, scheme) in schemes.iter().enumerate() {
+            for (treatment, shape, _) in TREATMENTS {
+                let is_ours = |row: &&&Row| row.propagator.scheme == *scheme && row.treatment == treatment;
+                let points: Vec<[f64; 2]> = rows.iter().filter(is_ours).map(|row| logged(row)).collect();
+                let points = Points::new(*scheme, PlotPoints::new(points)).shape(shape);
                 plot.points(points.radius(3.5).color(color(theme.curve(i))));
             }
         }
@@ -108,5 +110,6 @@ pub fn ui(ui: &mut Ui, session: &Session, theme: &Theme) {
 /// What stands beside a point.
 fn describe(row: &Row) -> String {
     let [milliseconds, error] = point(row);
-    format!("{}, k = {}, {}\n{milliseconds:.3} ms: L1 {error:.3e}", row.scheme, row.iterations, row.levels)
+    let name = propagator_name(&row.propagator);
+    format!("{name}, k = {}, {}\n{milliseconds:.3} ms: L1 {error:.3e}", row.iterations, row.treatment.name())
 }

@@ -1,5 +1,7 @@
 //! The L1 error, as it is and after the one scalar that fits best.
 
+use std::borrow::Borrow;
+
 use rayon::prelude::*;
 
 use crate::field::Grid;
@@ -23,7 +25,7 @@ pub struct BestFit {
 
 /// Σ‖O − R‖∞ / Σ‖R‖∞ over all cells, as it is and with O multiplied by the number that makes it least; both
 /// are 0 where all is dark. `scales` says how much each channel's norm counts.
-pub fn l1<T: Real>(scales: &[f64], moved: &[Grid<T>], truth: &[Grid<T>]) -> BestFit {
+pub fn l1<T: Real, U: Real>(scales: &[f64], moved: &[impl Borrow<Grid<T>>], truth: &[impl Borrow<Grid<U>>]) -> BestFit {
     let cells = lit(scales, moved, truth);
     let channels = scales.len();
     let [found, expected] = [[1.0, 0.0], [0.0, 1.0]].map(|weights| total(&cells, channels, weights).0);
@@ -47,13 +49,21 @@ pub fn l1<T: Real>(scales: &[f64], moved: &[Grid<T>], truth: &[Grid<T>]) -> Best
 type Pair<T> = [Sh<T>; 2];
 
 /// The cells in which anything is lit, all channels of a cell in a row.
-fn lit<T: Real>(scales: &[f64], moved: &[Grid<T>], truth: &[Grid<T>]) -> Vec<Pair<T>> {
-    let Some(layout) = moved.first().map(Grid::layout) else { return Vec::new() };
+fn lit<T: Real, U: Real>(
+    scales: &[f64],
+    moved: &[impl Borrow<Grid<T>>],
+    truth: &[impl Borrow<Grid<U>>],
+) -> Vec<Pair<T>> {
+    let Some(layout) = moved.first().map(|grid| grid.borrow().layout()) else { return Vec::new() };
+    let moved = || moved.iter().map(Borrow::borrow);
+    let truth = || truth.iter().map(Borrow::borrow);
     let mut cells = Vec::new();
     for i in layout.cells().map(|cell| layout.index(cell)) {
-        let pair = |((o, r), scale): ((&Grid<T>, &Grid<T>), &f64)| [o.at(i), r.at(i)].map(|sh| sh * T::of(*scale));
+        let pair = |((o, r), scale): ((&Grid<T>, &Grid<U>), &f64)| {
+            [o.at(i), r.at(i).cast()].map(|sh: Sh<T>| sh * T::of(*scale))
+        };
         let start = cells.len();
-        cells.extend(moved.iter().zip(truth).zip(scales).map(pair));
+        cells.extend(moved().zip(truth()).zip(scales).map(pair));
         if cells[start..].iter().flatten().all(|sh| sh.is_zero()) {
             cells.truncate(start);
         }

@@ -1,0 +1,152 @@
+//! What light is held against: the one list of it.
+//!
+//! An expectation says what the light of a cell ought to be. Errors ([`super::error`]) are what is found minus
+//! that. Whoever shows, lists or writes an error asks here for its name, for what has to be computed first, for
+//! whether levels are told apart, for the value of a cell and for the rows of a state:
+//!
+//! | name | what is found | what is expected | levels |
+//! |---|---|---|---|
+//! | thesis | the accumulated light of a level | the mean of its children, in the same octree (000, 6.2) | from 1 on |
+//! | corrected | the accumulated light of a level | a uniform volume of the finest size, downsampled (000, 7) | from 1 on |
+//! | merged | the merged light | that uniform volume (000, 6.2) | no |
+//! | ballistic | the merged light that has moved, S_A − S_0 | what truly arrives along straight lines | no |
+//!
+//! The thesis's says how much levels disagree, not which of them is right; corrected and merged what the octree
+//! costs; ballistic what the scheme costs. A uniform volume is one level of the finest size, propagated on its
+//! own. Every level of an octree is propagated by itself, so the octree's own finest level is that volume, and
+//! it costs nothing more. What truly arrives has to be computed before ([`References`]).
+//!
+//! A new expectation is a variant here, its light in [`held`], and, where it needs more than the run itself, a
+//! field of [`References`].
+
+pub mod held;
+
+use std::fmt;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::error::ErrorRow;
+use crate::scene::Problem;
+use crate::sh::Real;
+use crate::simulation::Simulation;
+use crate::transport::ballistic::Ballistic;
+pub use held::Held;
+
+/// What light is held against.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Expectation {
+    /// Every level with the mean of its children in the next finer level of the same octree (000, 6.2).
+    #[default]
+    Thesis,
+    /// Every level from 1 on with the uniform volume, downsampled (000, 7).
+    Corrected,
+    /// The merged light, S(x, y, z) for every finest cell, with the uniform volume (000, 6.2).
+    #[serde(alias = "Uniform")]
+    Merged,
+    /// The merged light that has moved, S_A − S_0, with the flux that truly enters each cell along straight lines.
+    Ballistic,
+}
+
+impl Expectation {
+    /// All there are, in the order in which they are listed.
+    pub const ALL: [Expectation; 4] =
+        [Expectation::Thesis, Expectation::Corrected, Expectation::Merged, Expectation::Ballistic];
+
+    /// Its name in files and on screen.
+    pub fn name(self) -> &'static str {
+        match self {
+            Expectation::Thesis => "thesis",
+            Expectation::Corrected => "corrected",
+            Expectation::Merged => "merged",
+            Expectation::Ballistic => "ballistic",
+        }
+    }
+
+    /// The name of what is expected, as `--reference` takes it and as the column `reference` of files has it.
+    pub fn reference(self) -> &'static str {
+        match self {
+            Expectation::Thesis => "children",
+            Expectation::Corrected | Expectation::Merged => "uniform",
+            Expectation::Ballistic => "ballistic",
+        }
+    }
+
+    /// The same in the words that follow "error against".
+    pub fn against(self) -> &'static str {
+        match self {
+            Expectation::Thesis => "its children",
+            Expectation::Corrected | Expectation::Merged => "a uniform volume",
+            Expectation::Ballistic => "what truly arrives",
+        }
+    }
+
+    /// What is compared with what, in a line.
+    pub fn summary(self) -> &'static str {
+        match self {
+            Expectation::Thesis => "Every level against the mean of its children",
+            Expectation::Corrected => "Every level against a uniform volume, downsampled",
+            Expectation::Merged => "The merged light against a uniform volume",
+            Expectation::Ballistic => "The merged light that has moved against what truly arrives along straight lines",
+        }
+    }
+
+    /// Whether it tells the levels of an octree apart.
+    pub fn has_levels(self) -> bool {
+        matches!(self, Expectation::Thesis | Expectation::Corrected)
+    }
+
+    /// Those that hold the merged light, one value a finest cell: what schemes are compared by.
+    pub fn of_merged_light() -> impl Iterator<Item = Expectation> {
+        Self::ALL.into_iter().filter(|one| !one.has_levels())
+    }
+
+    /// Whether errors are also told after the one scalar that fits best: where the expectation has a scale of its
+    /// own, for renderers scale by taste.
+    pub fn is_scaled_by_taste(self) -> bool {
+        self == Expectation::Ballistic
+    }
+
+    /// Whether all that it needs is there.
+    pub fn is_ready(self, references: &References) -> bool {
+        self != Expectation::Ballistic || references.ballistic.is_some()
+    }
+
+    /// Computes what it needs of a problem and is not there yet. `progress` hears of the share done, 0 to 1, from
+    /// any thread, and returns whether to go on.
+    pub fn prepare(self, problem: &Problem, references: &mut References, progress: &(dyn Fn(f64) -> bool + Sync)) {
+        if !self.is_ready(references) {
+            references.ballistic = Ballistic::new(problem, progress).map(Arc::new);
+        }
+    }
+
+    /// The light of a state beside what it ought to be; `None` while the references lack what that needs.
+    pub fn of<'a, T: Real>(self, state: &'a Simulation<T>, references: &'a References) -> Option<Held<'a, T>> {
+        Held::new(self, state, references)
+    }
+
+    /// The errors of a state, as [`Held::rows`] has them; none while the references lack what that needs.
+    pub fn rows<T: Real>(self, state: &Simulation<T>, references: &References) -> Vec<ErrorRow> {
+        self.of(state, references).map(|held| held.rows()).unwrap_or_default()
+    }
+}
+
+impl fmt::Display for Expectation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// What was computed of a problem for those expectations that need more than a run itself.
+#[derive(Clone, Debug, Default)]
+pub struct References {
+    /// What truly arrives along straight lines.
+    pub ballistic: Option<Arc<Ballistic>>,
+}
+
+impl References {
+    /// Drops what is not of `problem`.
+    pub fn turn_to(&mut self, problem: &Problem) {
+        self.ballistic.take_if(|ballistic| !ballistic.is_of(problem));
+    }
+}

@@ -1,0 +1,263 @@
+//! The light of one state beside what it ought to be: cell by cell, as rows, and after the best scalar.
+
+use super::{Expectation, References};
+use crate::field::{Cell, Grid, Layout, downsample_into, mean_of_children};
+use crate::sh::{Real, Sh};
+use crate::simulation::Simulation;
+use crate::study::error::{CellError, ErrorRow, Tally};
+use crate::study::fit::{BestFit, l1};
+use crate::study::light;
+use crate::transport::ballistic::Ballistic;
+
+/// A state under one expectation.
+#[derive(Debug)]
+pub struct Held<'a, T> {
+    expectation: Expectation,
+    state: &'a Simulation<T>,
+    /// How much each channel's norm counts: its largest multiple among the three colours.
+    scales: Vec<f64>,
+    compared: Compared<'a, T>,
+}
+
+/// What is compared; grids are of the finest size, one a channel.
+#[derive(Debug)]
+enum Compared<'a, T> {
+    /// Levels with their children.
+    Children,
+    /// Levels with the finest one.
+    Levels,
+    /// What merging would store now, with the finest level.
+    Merged(Vec<Grid<T>>),
+    /// The merged light without what was injected, with what truly arrives.
+    Moved(Vec<Grid<T>>, &'a Ballistic),
+}
+
+impl<'a, T: Real> Held<'a, T> {
+    pub(super) fn new(expectation: Expectation, state: &'a Simulation<T>, references: &'a References) -> Option<Self> {
+        let compared = match expectation {
+            Expectation::Thesis => Compared::Children,
+            Expectation::Corrected => Compared::Levels,
+            Expectation::Merged => Compared::Merged(light::sampled(state)),
+            Expectation::Ballistic => Compared::Moved(light::moved(state), references.ballistic.as_deref()?),
+        };
+        Some(Held { expectation, state, scales: light::channel_scales(state.channels()), compared })
+    }
+
+    /// The errors: of all levels together first, then, where levels are told apart, of each from 1 on.
+    pub fn rows(&self) -> Vec<ErrorRow> {
+        let levels = 1..self.state.sizes().count();
+        match &self.compared {
+            Compared::Children => {
+                let tallies = levels.map(|level| {
+                    self.tally(self.state.sizes().side(level), |channel, cell| {
+                        let octree = &self.state.lights()[channel].accumulated;
+                        (octree.level(level).get(cell), mean_of_children(octree.level(level - 1), cell))
+                    })
+                });
+                self.of_levels(&tallies.collect::<Vec<_>>())
+            }
+            Compared::Levels => {
+                let lights = self.state.lights();
+                let mut expected: Vec<Grid<T>> = Vec::new();
+                let tallies = levels.map(|level| {
+                    let side = self.state.sizes().side(level);
+                    let finer = |channel: usize| expected.get(channel).unwrap_or(lights[channel].accumulated.level(0));
+                    let coarser = (0..lights.len()).map(|channel| {
+                        let mut coarser = Grid::new(side);
+                        downsample_into(finer(channel), &mut coarser);
+                        coarser
+                    });
+                    expected = coarser.collect();
+                    self.tally(side, |channel, cell| {
+                        (lights[channel].accumulated.level(level).get(cell), expected[channel].get(cell))
+                    })
+                });
+                self.of_levels(&tallies.collect::<Vec<_>>())
+            }
+            Compared::Merged(merged) => {
+                let uniform = |channel: usize| self.state.lights()[channel].accumulated.level(0);
+                let tally = self.tally(self.state.sizes().finest(), |channel, cell| {
+                    (merged[channel].get(cell), uniform(channel).get(cell))
+                });
+                vec![self.row(&tally, None)]
+            }
+            Compared::Moved(moved, truth) => {
+                let tally = self.tally(self.state.sizes().finest(), |channel, cell| {
+                    (moved[channel].get(cell), truth.light()[channel].get(cell).cast())
+                });
+                let l1_best_fit = self.best_fit().map(|fit| fit.fitted);
+                vec![ErrorRow { l1_best_fit, ..self.row(&tally, None) }]
+            }
+        }
+    }
+
+    /// The L1 error as it is and after the scalar that fits best; `None` where levels are told apart.
+    pub fn best_fit(&self) -> Option<BestFit> {
+        match &self.compared {
+            Compared::Children | Compared::Levels => None,
+            Compared::Merged(merged) => {
+                let uniform: Vec<&Grid<T>> =
+                    self.state.lights().iter().map(|light| light.accumulated.level(0)).collect();
+                Some(l1(&self.scales, merged, &uniform))
+            }
+            Compared::Moved(moved, truth) => Some(l1(&self.scales, moved, truth.light())),
+        }
+    }
+
+    /// The error of a cell of a level, in red, green and blue together; `None` where nothing is expected there: on
+    /// level 0 where levels are told apart, and outside the octree. What has no levels is held by the mean over a
+    /// coarse cell.
+    pub fn cell(&self, level: usize, cell: Cell) -> Option<CellError> {
+        let known = if self.expectation.has_levels() { 1 } else { 0 };
+        if !(known..self.state.sizes().count()).contains(&level) {
+            return None;
+        }
+        let (mut difference, mut found) = (0.0f64, 0.0f64);
+        for (channel, scale) in self.scales.iter().enumerate() {
+            let [is, ought] = self.pair(channel, level, cell);
+            difference = difference.max(scale * (is - ought).max_norm());
+            found = found.max(scale * is.max_norm());
+        }
+        Some(CellError::new(difference, found))
+    }
+
+    /// What a channel of a cell holds, and what it ought to.
+    fn pair(&self, channel: usize, level: usize, cell: Cell) -> [Sh<f64>; 2] {
+        let octree = &self.state.lights()[channel].accumulated;
+        match &self.compared {
+            Compared::Children => {
+                [octree.level(level).get(cell).widen(), mean_of_children(octree.level(level - 1), cell).widen()]
+            }
+            Compared::Levels => [octree.level(level).get(cell).widen(), mean_within(octree.level(0), level, cell)],
+            Compared::Merged(merged) => {
+                [mean_within(&merged[channel], level, cell), mean_within(octree.level(0), level, cell)]
+            }
+            Compared::Moved(moved, truth) => {
+                [mean_within(&moved[channel], level, cell), mean_within(&truth.light()[channel], level, cell)]
+            }
+        }
+    }
+
+    /// Compares every cell of an n³ grid; `pair` gives what a channel holds and what it ought to.
+    fn tally(&self, n: usize, pair: impl Fn(usize, Cell) -> (Sh<T>, Sh<T>)) -> Tally {
+        let mut tally = Tally::default();
+        for cell in Layout::new(n).cells() {
+            let (mut difference, mut found, mut expected) = (0.0f64, 0.0f64, 0.0f64);
+            for (channel, scale) in self.scales.iter().enumerate() {
+                let (is, ought) = pair(channel, cell);
+                difference = difference.max(scale * (is.widen() - ought.widen()).max_norm());
+                found = found.max(scale * is.max_norm().to_f64());
+                expected = expected.max(scale * ought.max_norm().to_f64());
+            }
+            tally.add(difference, found, expected);
+        }
+        tally
+    }
+
+    /// The row of all levels together, then one for each, the first of `per_level` being level 1.
+    fn of_levels(&self, per_level: &[Tally]) -> Vec<ErrorRow> {
+        let mut all = Tally::default();
+        per_level.iter().for_each(|level| all.merge(level));
+        let each = per_level.iter().zip(1..).map(|(tally, level)| self.row(tally, Some(level)));
+        std::iter::once(self.row(&all, None)).chain(each).collect()
+    }
+
+    fn row(&self, tally: &Tally, level: Option<usize>) -> ErrorRow {
+        tally.row(self.state.iteration(), self.expectation, level)
+    }
+}
+
+/// The mean of all finest cells within a cell of `level`.
+fn mean_within<T: Real>(finest: &Grid<T>, level: usize, cell: Cell) -> Sh<f64> {
+    let span = 1 << level;
+    let [x0, y0, z0] = cell.map(|c| c * span);
+    let inside = Layout::new(span).cells().map(|[x, y, z]| finest.get([x0 + x, y0 + y, z0 + z]).widen());
+    let sum: Sh<f64> = inside.sum();
+    sum * (span as f64).powi(-3)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::scene::{Occlusion, Problem, Propagation, Source};
+    use crate::simulation::Action;
+
+    fn run(coarsest: usize) -> Simulation<f32> {
+        let source = Source { color: [1.0, 0.5, 0.0], light: vec![([3, 1, 2], Sh::lobe(DVec3::X))] };
+        let problem = Problem {
+            size: 8,
+            coarsest,
+            sources: vec![source],
+            solids: Vec::new(),
+            occlusion: Occlusion::default(),
+            propagation: Propagation { iterations: 3, ..Propagation::default() },
+        };
+        let mut simulation = Simulation::new(problem).unwrap();
+        simulation.run(|_| true);
+        simulation
+    }
+
+    /// Every expectation, ready for a state.
+    fn each(state: &Simulation<f32>) -> Vec<(Expectation, References)> {
+        let ready = |expectation: Expectation| {
+            let mut references = References::default();
+            expectation.prepare(state.problem(), &mut references, &|_| true);
+            assert!(expectation.is_ready(&references));
+            (expectation, references)
+        };
+        Expectation::ALL.map(ready).to_vec()
+    }
+
+    #[test]
+    fn a_uniform_volume_has_no_error_where_it_is_what_is_expected() {
+        let state = run(8);
+        for (expectation, references) in each(&state) {
+            let rows = expectation.of(&state, &references).unwrap().rows();
+            assert_eq!(rows.len(), 1, "{expectation}: no level but the finest");
+            assert_eq!(rows[0].absolute_max == 0.0, expectation != Expectation::Ballistic, "{expectation}");
+        }
+    }
+
+    #[test]
+    fn the_largest_error_of_a_row_is_the_largest_of_its_cells() {
+        let state = run(1);
+        for (expectation, references) in each(&state) {
+            let held = expectation.of(&state, &references).unwrap();
+            let rows = held.rows();
+            assert_eq!(rows.len(), if expectation.has_levels() { 4 } else { 1 }, "{expectation}");
+            for row in rows.iter().filter(|row| row.level.is_some() != (rows.len() == 1)) {
+                let level = row.level.unwrap_or(0);
+                let cells = Layout::new(8 >> level).cells().filter_map(|cell| held.cell(level, cell));
+                let largest = cells.map(|error| error.absolute).fold(0.0, f64::max);
+                assert!((largest - row.absolute_max).abs() < 1e-6 && largest > 0.0, "{expectation}, level {level}");
+            }
+            assert_eq!(held.cell(0, [3, 1, 2]).is_none(), expectation.has_levels());
+            assert_eq!(held.cell(4, [0; 3]), None);
+            assert_eq!(held.best_fit().is_none(), expectation.has_levels());
+            assert_eq!(rows[0].l1_best_fit.is_some(), expectation.is_scaled_by_taste());
+        }
+    }
+
+    #[test]
+    fn what_is_not_computed_yet_is_not_held_against_anything() {
+        let (state, references) = (run(1), References::default());
+        assert!(!Expectation::Ballistic.is_ready(&references));
+        assert!(Expectation::Ballistic.of(&state, &references).is_none());
+    }
+
+    #[test]
+    fn where_nothing_has_moved_all_that_should_have_is_missing() {
+        let mut references = References::default();
+        let mut state = run(1);
+        Expectation::Ballistic.prepare(state.problem(), &mut references, &|_| true);
+        state.act(Action::Clear);
+        state.act(Action::Inject);
+        let row = Expectation::Ballistic.rows(&state, &references)[0];
+        assert_eq!((row.l1_ratio, row.l1_best_fit, row.relative_max), (1.0, Some(1.0), 0.0));
+        let truth = references.ballistic.unwrap();
+        let lit = truth.light()[0].iter().filter(|(_, light)| !light.is_zero()).count();
+        assert_eq!(row.undefined, lit);
+    }
+}

@@ -1,0 +1,80 @@
+//! The light of a state as studies look at it: sampled in the finest cells, without what was injected, as one
+//! number a cell.
+
+use crate::field::{Cell, Channels, Grid};
+use crate::scene::propagation::Snapshots;
+use crate::sh::{Real, Sh};
+use crate::simulation::Simulation;
+
+/// What merging would store now, for each channel.
+pub fn sampled<T: Real>(state: &Simulation<T>) -> Vec<Grid<T>> {
+    let sample = |channel| {
+        let mut grid = Grid::new(state.sizes().finest());
+        state.sample(channel, &mut grid);
+        grid
+    };
+    (0..state.lights().len()).map(sample).collect()
+}
+
+/// S_A − S_0 of each channel: the merged light without the light that was injected.
+pub fn moved<T: Real>(state: &Simulation<T>) -> Vec<Grid<T>> {
+    let problem = state.problem();
+    let mut merged = sampled(state);
+    // Whether S_0 is in the sum is the snapshots' choice.
+    if problem.propagation.snapshots != Snapshots::Thesis {
+        return merged;
+    }
+    let cells = problem.accumulating(0);
+    let counts = |cell| cells.as_ref().is_none_or(|cells| cells.get(cell));
+    for (merged, injected) in merged.iter_mut().zip(problem.injected::<T>(state.channels())) {
+        for (cell, value) in injected.iter().filter(|(cell, value)| !value.is_zero() && counts(*cell)) {
+            merged.set(cell, merged.get(cell) - value);
+        }
+    }
+    merged
+}
+
+/// The largest multiple of each channel among the three colours: what a channel's norm counts with.
+pub fn channel_scales(channels: &Channels) -> Vec<f64> {
+    let scale = |c| channels.rgb().iter().filter(|s| s.channel == c).map(|s| s.scale).fold(0.0, f64::max);
+    (0..channels.count()).map(scale).collect()
+}
+
+/// Light as one number: c00, the mean over all directions, summed over red, green and blue.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Brightness {
+    /// How often each channel counts in red, green and blue together.
+    weights: Vec<f64>,
+}
+
+impl Brightness {
+    /// Of light in these channels.
+    pub fn new(channels: &Channels) -> Self {
+        let mut weights = vec![0.0; channels.count()];
+        for share in channels.rgb() {
+            weights[share.channel] += share.scale;
+        }
+        Brightness { weights }
+    }
+
+    /// The brightness of what each channel holds in one place.
+    pub fn of<T: Real>(&self, light: impl Fn(usize) -> Sh<T>) -> f64 {
+        self.weights.iter().enumerate().map(|(channel, weight)| weight * light(channel).0[0].to_f64()).sum()
+    }
+
+    /// The brightness of every cell of one grid a channel, x fastest.
+    pub fn of_grids<'a, T: Real>(&self, grids: impl IntoIterator<Item = &'a Grid<T>>) -> Vec<f64> {
+        let mut sums = Vec::new();
+        for (weight, grid) in self.weights.iter().zip(grids) {
+            sums.resize(grid.side().pow(3), 0.0);
+            sums.iter_mut().zip(grid.iter()).for_each(|(sum, (_, light))| *sum += weight * light.0[0].to_f64());
+        }
+        sums
+    }
+
+    /// The brightness of the sample S(x, y, z) of the accumulated light at a finest cell, merged or not yet.
+    pub fn sample<T: Real>(&self, state: &Simulation<T>, cell: Cell) -> f64 {
+        let level = state.index().index(cell);
+        self.of(|channel| state.lights()[channel].accumulated.level(level).get(cell.map(|c| c >> level)))
+    }
+}
