@@ -251,7 +251,7 @@ impl<T: Real> Simulation<T> {
                 }
             },
             Action::Merge => {
-                state.merge();
+                state.merge(|state, channel, merged| transport.sample(state, channel, merged));
                 (source, accumulated, merged) = (false, false, true);
             }
         }
@@ -267,14 +267,15 @@ impl<T: Real> Simulation<T> {
             self.act(action);
         }
         let mut go_on = watch(self);
-        while go_on && self.iteration() < self.problem.propagation.iterations && !self.transport.is_done() {
+        while go_on && self.iteration() < self.problem.actions() && !self.transport.is_done() {
             self.act(Action::Propagate);
             if self.divergence.is_some() {
                 break;
             }
             go_on = watch(self);
         }
-        self.state.merge();
+        let Simulation { state, transport, .. } = self;
+        state.merge(|state, channel, merged| transport.sample(state, channel, merged));
     }
 
     /// Iterations up to the number the problem asks for, as [`Self::run`] does them, but with nobody looking
@@ -283,7 +284,7 @@ impl<T: Real> Simulation<T> {
         for action in [Action::Clear, Action::Inject, Action::Downsample] {
             self.act(action);
         }
-        self.advance(self.problem.propagation.iterations, wanted);
+        self.advance(self.problem.actions(), wanted);
         let divergence = self.divergence;
         self.act(Action::Merge);
         self.divergence = divergence;
@@ -299,6 +300,6 @@ impl<T: Real> Simulation<T> {
     /// Sets `merged` to the sample S(x, y, z) of a channel's accumulated octree at every finest cell, as
     /// merging does.
     pub fn sample(&self, channel: usize, merged: &mut Grid<T>) {
-        self.state.sample(channel, merged);
+        self.transport.sample(&self.state, channel, merged);
     }
 }

@@ -6,6 +6,7 @@
 //! the list of those that can be stepped: what each of them can do is asked there.
 
 pub mod ballistic;
+pub mod descent;
 pub mod divergence;
 #[cfg(feature = "gpu")]
 pub mod gpu;
@@ -33,7 +34,7 @@ use crate::scene::error::{Fault, nearest, quote};
 pub fn kinds() -> &'static [Kind] {
     static KINDS: LazyLock<Vec<Kind>> = LazyLock::new(|| {
         let mut kinds = Vec::new();
-        kinds.extend(lattice::kinds());
+        kinds.extend(descent::kinds());
         kinds.extend(ordinates::kinds());
         kinds
     });

@@ -1,6 +1,6 @@
 //! What light is held against: the one list of it.
 //!
-//! An expectation says what the light of a cell ought to be. Errors ([`super::error`]) are what is found minus
+//! An expectation says what the light of a cell ought to be. Errors ([`error`]) are what is found minus
 //! that. Whoever shows, lists or writes an error asks here for its name, for what has to be computed first, for
 //! whether levels are told apart, for the value of a cell and for the rows of a state:
 //!
@@ -19,6 +19,7 @@
 //! A new expectation is a variant here, its light in [`held`], and, where it needs more than the run itself, a
 //! field of [`References`].
 
+pub mod error;
 pub mod held;
 
 use std::fmt;
@@ -26,11 +27,11 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::error::ErrorRow;
 use crate::scene::Problem;
 use crate::sh::Real;
 use crate::simulation::Simulation;
 use crate::transport::ballistic::Ballistic;
+use error::ErrorRow;
 pub use held::Held;
 
 /// What light is held against.

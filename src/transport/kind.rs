@@ -10,7 +10,7 @@ use super::divergence::Divergence;
 use super::options::{Options, Wanted, Work};
 use super::refusal::Refusal;
 use super::state::State;
-use crate::field::{Channels, Levels};
+use crate::field::{Channels, Grid, Levels};
 use crate::scene::error::Fault;
 use crate::scene::{Problem, Propagation};
 use crate::sh::Real;
@@ -50,6 +50,11 @@ pub trait Transport<T: Real>: fmt::Debug + Send + Sync {
             *work += self.step(state);
         }
         Ok(())
+    }
+
+    /// Sets `merged` to what a channel's accumulated light is in every finest cell.
+    fn sample(&self, state: &State<T>, channel: usize, merged: &mut Grid<T>) {
+        state.sample(channel, merged);
     }
 
     /// An upper bound on all light still to come, as a part of what has been accumulated; `None` while nothing is

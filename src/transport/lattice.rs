@@ -14,6 +14,8 @@
 pub mod active;
 pub mod barrier;
 mod ceiling;
+mod coarse;
+pub mod exact;
 pub mod face;
 pub mod fixed_point;
 pub mod geometry;
@@ -22,7 +24,8 @@ mod iterate;
 pub mod kernel;
 mod known;
 pub mod levels;
-mod occlusion;
+pub mod linear;
+pub(in crate::transport) mod occlusion;
 pub mod scheme;
 pub mod schemes;
 pub mod stencil;
@@ -34,15 +37,18 @@ use super::kind::{Capabilities, Device, Kind, Law, Setup, Transport};
 use super::options::{Kernel, Options, Wanted, Work};
 use super::refusal::Refusal;
 use super::state::{State, accumulating};
-use crate::field::{Grid, Marks};
+use crate::field::{Grid, Levels, Marks};
 use crate::scene::Problem;
 use crate::scene::propagation::{Policy, Propagation};
 use crate::sh::Real;
 use ceiling::Ceiling;
+use coarse::Coarse;
+use exact::leaves::Leaves;
 use kernel::form::Form;
 use kernel::occluded::Which;
 use kernel::plain;
 use known::Known;
+use linear::linear_form;
 use occlusion::Obstacles;
 use scheme::Scheme;
 use stencil::Stencil;
@@ -63,15 +69,22 @@ fn kind(scheme: &Scheme) -> Kind {
         laws,
         check: |_| Ok(()),
         label: |propagation| propagation.scheme.clone(),
-        bytes: |problem, sizes, channels, number| {
-            // Where light may be, a bit a cell of source and target.
-            let marks = sizes.cells() as u64 / 4 * channels as u64;
-            let scheme = schemes::find(&problem.propagation.scheme);
-            marks + scheme.map_or(0, |scheme| occlusion::bytes(problem, &scheme, sizes, number))
-        },
+        bytes,
         single: Lattice::made,
         double: Some(Lattice::made),
     }
+}
+
+/// Bytes that a lattice keeps beside the state.
+pub(super) fn bytes(problem: &Problem, sizes: Levels, channels: usize, number: usize) -> u64 {
+    // Where light may be, a bit a cell of source and target.
+    let marks = sizes.cells() as u64 / 4 * channels as u64;
+    let coarse = match problem.propagation.levels {
+        Policy::Exact => (1..sizes.count()).map(|i| Leaves::<f32>::bytes_of_uniform(i, sizes.side(i))).sum(),
+        _ => 0,
+    };
+    let scheme = schemes::find(&problem.propagation.scheme);
+    marks + coarse + scheme.map_or(0, |scheme| occlusion::bytes(problem, &scheme, sizes, number))
 }
 
 /// Every face is linear but for its clamp.
@@ -100,6 +113,8 @@ pub struct Lattice<T> {
     /// By channel and level; `None` after anything but an iteration has touched the light.
     known: Option<Vec<Vec<Known>>>,
     ceiling: Ceiling,
+    /// Under exact levels all but the finest, which is the only one with a stencil then.
+    coarse: Option<Coarse<T>>,
 }
 
 impl<T: Real> Lattice<T> {
@@ -110,13 +125,24 @@ impl<T: Real> Lattice<T> {
         let scheme = schemes::find(&problem.propagation.scheme)
             .ok_or_else(|| Refusal::unknown(&problem.propagation.scheme, &schemes::names()))?;
         let operators = levels::operators(&scheme, factor, clamp, levels, sizes.count())?;
-        let (stencils, residences): (Vec<_>, Vec<_>) =
+        let (mut stencils, residences): (Vec<_>, Vec<_>) =
             operators.into_iter().map(|operator| (operator.stencil, operator.residence)).unzip();
+        // Exact levels move no more light in a step than the scheme itself does.
+        let ceiling = Ceiling::new(&stencils, problem.occlusion.bounce);
+        let coarse = match levels {
+            Policy::Exact if sizes.count() > 1 => {
+                let (_, share) = linear_form::<T>(problem, "exact levels")?;
+                stencils.truncate(1);
+                Some(Coarse::new(&share, *sizes, setup.channels.count(), occlusion::hard(problem, *sizes)))
+            }
+            _ => None,
+        };
         Ok(Lattice {
             forms: stencils.iter().map(Form::of).collect(),
             obstacles: Obstacles::new(problem, *sizes, &scheme).map(Arc::new),
             accumulating: accumulating(problem, *sizes).map(Arc::new),
-            ceiling: Ceiling::new(&stencils, problem.occlusion.bounce),
+            ceiling,
+            coarse,
             problem: Arc::clone(problem),
             options: *options,
             stencils,
@@ -125,7 +151,7 @@ impl<T: Real> Lattice<T> {
         })
     }
 
-    fn made(setup: &Setup) -> Result<Box<dyn Transport<T>>, Refusal> {
+    pub(super) fn made(setup: &Setup) -> Result<Box<dyn Transport<T>>, Refusal> {
         Ok(Box::new(Lattice::new(setup)?))
     }
 
@@ -139,6 +165,7 @@ impl<T: Real> Transport<T> for Lattice<T> {
     fn start(&mut self, state: &mut State<T>) {
         self.known = None;
         self.ceiling.clear();
+        self.coarse.iter_mut().for_each(Coarse::rest);
         if let Some(obstacles) = &self.obstacles {
             obstacles.mark_shut(&mut state.index);
         }
@@ -159,6 +186,7 @@ impl<T: Real> Transport<T> for Lattice<T> {
         } else {
             state.downsample();
             self.ceiling.downsample();
+            self.coarse.iter_mut().for_each(Coarse::rest);
         }
     }
 
@@ -167,7 +195,9 @@ impl<T: Real> Transport<T> for Lattice<T> {
     }
 
     fn step(&mut self, state: &mut State<T>) -> Work {
-        if self.is_fast(state) { self.fast(state, 1, Wanted::Everything) } else { self.plainly(state) }
+        let finest = if self.is_fast(state) { self.fast(state, 1, Wanted::Everything) } else { self.plainly(state) };
+        let coarser = self.coarse.as_mut().map(|coarse| coarse.step(state)).unwrap_or_default();
+        Work { visited: finest.visited + coarser.visited, dark: finest.dark, volume: finest.volume.max(coarser.volume) }
     }
 
     fn advance(
@@ -180,7 +210,8 @@ impl<T: Real> Transport<T> for Lattice<T> {
         let end = state.iteration + iterations;
         while state.iteration < end && !self.is_done() {
             self.admit(state)?;
-            if self.options.tolerance.is_some() || self.obstacles.is_some() || !self.is_fast(state) {
+            let steps = self.options.tolerance.is_some() || self.obstacles.is_some() || self.coarse.is_some();
+            if steps || !self.is_fast(state) {
                 *work += self.step(state);
                 continue;
             }
@@ -194,7 +225,8 @@ impl<T: Real> Transport<T> for Lattice<T> {
 
     fn still_to_come(&self) -> Option<f64> {
         // Occluders may reflect more than they stop, and what counts is what was accumulated everywhere.
-        if self.options.tolerance.is_none() || self.obstacles.is_some() || self.accumulating.is_some() {
+        let hidden = self.obstacles.is_some() || self.accumulating.is_some() || self.coarse.is_some();
+        if self.options.tolerance.is_none() || hidden {
             return None;
         }
         let known = self.known.as_ref()?;
@@ -209,7 +241,8 @@ impl<T: Real> Transport<T> for Lattice<T> {
     }
 
     fn bytes(&self) -> usize {
-        self.known.iter().flatten().flatten().map(Known::bytes).sum()
+        let coarse = self.coarse.as_ref().map_or(0, Coarse::bytes);
+        coarse + self.known.iter().flatten().flatten().map(Known::bytes).sum::<usize>()
     }
 
     fn shared_bytes(&self) -> usize {

@@ -1,5 +1,6 @@
 //! What cannot be run, and why.
 
+use super::lattice::exact::Grows;
 use super::lattice::levels::TooLarge;
 use crate::scene::error::nearest;
 use crate::system::memory;
@@ -24,6 +25,19 @@ pub enum Refusal {
         size: usize,
         /// The side of the coarsest level.
         coarsest: usize,
+    },
+    /// A factor that is too large for a descent.
+    #[error(transparent)]
+    Grows(#[from] Grows),
+    /// A setting that a descent, or exact levels, cannot be derived for.
+    #[error("{what} cannot have {setting}; {remedy}")]
+    Underived {
+        /// A descent, or exact levels.
+        what: &'static str,
+        /// What of the setting it is.
+        setting: String,
+        /// What would be right.
+        remedy: &'static str,
     },
     /// A factor that is too large for the levels' policy.
     #[error(transparent)]

@@ -106,12 +106,12 @@ impl<T: Real> State<T> {
         }
     }
 
-    /// Stores the sample S(x, y, z) of the accumulated octree for every finest cell.
-    pub fn merge(&mut self) {
+    /// Stores what `sample` makes of each channel's accumulated light in every finest cell.
+    pub fn merge(&mut self, sample: impl Fn(&Self, usize, &mut Grid<T>)) {
         for channel in 0..self.lights.len() {
             let merged = self.lights[channel].merged.take();
             let mut merged = merged.unwrap_or_else(|| Grid::new(self.index.sizes().finest()));
-            self.sample(channel, &mut merged);
+            sample(self, channel, &mut merged);
             self.lights[channel].merged = Some(merged);
         }
     }

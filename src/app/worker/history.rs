@@ -4,20 +4,29 @@
 //! every fourth; those in between are computed again from the one before them when they are asked for,
 //! which gives the same bits. A state that something other than a propagation has changed cannot be
 //! computed again, so it is kept as long as any older one is.
+//!
+//! A copy of a large state takes longer than an iteration. Of those only every fourth is kept to begin with: what lies
+//! between is at most three iterations away.
+
+use std::sync::Arc;
 
 use crate::simulation::{Action, Simulation};
 
-/// A state that is kept.
-#[derive(Debug)]
+/// The size from which states are large, in bytes, and how many iterations apart those are kept.
+const LARGE: usize = 48 << 20;
+const APART: usize = 4;
+
+/// A state that is kept; branches of a run share it.
+#[derive(Clone, Debug)]
 struct Kept {
-    state: Simulation<f32>,
+    state: Arc<Simulation<f32>>,
     bytes: usize,
     /// Whether it cannot be computed again from the one before it.
     fixed: bool,
 }
 
 /// The past states of a simulation, oldest first.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct History {
     kept: Vec<Kept>,
     /// The state last asked for that had to be computed again.
@@ -59,8 +68,11 @@ impl History {
             self.kept.clear();
             return;
         }
+        if bytes > LARGE {
+            self.stride = self.stride.max(APART);
+        }
         if fixed || state.iteration().is_multiple_of(self.stride) {
-            self.kept.push(Kept { bytes, state: state.clone(), fixed });
+            self.kept.push(Kept { bytes, state: Arc::new(state.clone()), fixed });
             self.fit();
         }
     }
@@ -69,10 +81,10 @@ impl History {
     pub fn at(&mut self, k: usize) -> Option<&Simulation<f32>> {
         let nearest = self.kept.iter().rposition(|kept| kept.state.iteration() <= k)?;
         if self.kept[nearest].state.iteration() == k {
-            return self.kept.get(nearest).map(|kept| &kept.state);
+            return self.kept.get(nearest).map(|kept| kept.state.as_ref());
         }
         if self.again.as_ref().is_none_or(|state| state.iteration() != k) {
-            let mut state = self.kept[nearest].state.clone();
+            let mut state = Simulation::clone(&self.kept[nearest].state);
             while state.iteration() < k {
                 state.act(Action::Propagate);
             }
@@ -88,7 +100,7 @@ impl History {
 
     /// The states that are kept, oldest first.
     pub fn states(&self) -> impl Iterator<Item = &Simulation<f32>> {
-        self.kept.iter().map(|kept| &kept.state)
+        self.kept.iter().map(|kept| kept.state.as_ref())
     }
 
     /// The first iteration that [`History::at`] can give.

@@ -13,7 +13,7 @@ pub fn errors(state: &Simulation<f32>, expectation: Expectation, references: &Re
 }
 
 /// A simulation that remembers.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Track {
     now: Simulation<f32>,
     past: History,

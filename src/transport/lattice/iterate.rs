@@ -37,8 +37,9 @@ impl<T: Real> Lattice<T> {
                 state.index.level_mut(i).mark_lit(target);
                 let cells = self.accumulating.as_ref().map(|cells| &cells[i]);
                 accumulate(target, cells, light.accumulated.level_mut(i));
+                // By the level: not all of them need have a stencil.
+                std::mem::swap(light.source.level_mut(i), light.target.level_mut(i));
             }
-            std::mem::swap(&mut light.source, &mut light.target);
         }
         self.known = None;
         let volume = state.sizes().cells() * state.lights.len();

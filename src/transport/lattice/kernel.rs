@@ -41,7 +41,7 @@ pub fn settle<T: Real>(light: Sh<T>) -> Sh<T> {
 
 /// `c`, or zero (never −0) if it is smaller in magnitude than `floor`.
 #[inline(always)]
-fn settle_number<T: Real>(c: T, floor: T) -> T {
+pub(super) fn settle_number<T: Real>(c: T, floor: T) -> T {
     if c.abs() < floor { T::ZERO } else { c }
 }
 

@@ -5,6 +5,7 @@ use super::barrier::Barrier;
 use super::geometry::Geometry;
 use super::kernel::occluded::{Fuzzy, Hard, Mirrored, Occluders, Touched};
 use super::scheme::{Scheme, Surface};
+use super::schemes;
 use crate::field::{IndexVolume, Layout, Levels, Marks, memory};
 use crate::scene::Problem;
 use crate::scene::occluder::{BlockingSign, OcclusionMode};
@@ -29,9 +30,10 @@ impl<T: Real> Obstacles<T> {
         if !problem.has_occluders() {
             return None;
         }
-        let geometry = Geometry::new(sizes, &problem.solids);
         // Reflection is what a mirroring scheme is; in the others it is an extra that the preset asks for.
         let mirrors = scheme.surface == Surface::Mirrored;
+        let between = occlusion.mode == OcclusionMode::Fuzzy && !mirrors;
+        let geometry = Geometry::new(sizes, if between { problem.blockers() } else { &problem.solids });
         let (occluders, from_iteration) = match occlusion.mode {
             OcclusionMode::Hard => {
                 let injected = problem.sources.iter().flat_map(|source| &source.light);
@@ -76,6 +78,15 @@ impl<T: Real> Obstacles<T> {
     /// Bytes that they take.
     pub(super) fn bytes(&self) -> usize {
         self.occluders.bytes() + self.touched.iter().map(Touched::bytes).sum::<usize>()
+    }
+}
+
+/// The hard occluders of a problem under its scheme, if it has such.
+pub(in crate::transport) fn hard<T: Real>(problem: &Problem, sizes: Levels) -> Option<Hard<T>> {
+    let scheme = schemes::find(&problem.propagation.scheme)?;
+    match Obstacles::new(problem, sizes, &scheme)?.occluders {
+        Occluders::Hard(hard) => Some(hard),
+        _ => None,
     }
 }
 

@@ -4,12 +4,12 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::colour::{Paint, Rgb};
-use super::glyph::{GlyphScale, Glyphs, Hue, Outline};
-use super::number::short;
-use super::picture::{Picture, Seen};
-use super::slice::Axis;
-use super::svg::{Anchor, PathData, Stroke, Svg, Type, text_width, wrapped};
+use super::{Picture, Seen};
+use crate::report::colour::{Paint, Rgb};
+use crate::report::glyph::{GlyphScale, Glyphs, Hue, Outline};
+use crate::report::number::short;
+use crate::report::slice::Axis;
+use crate::report::svg::{Anchor, PathData, Stroke, Svg, Type, text_width, wrapped};
 use crate::sh::Sh;
 
 /// Room for the circle below a panel, in heights of text.

@@ -1,6 +1,6 @@
 //! How far light is from what it ought to be, in numbers (000, 6.2 and 7; MATH.md section 5).
 //!
-//! Light O is compared with an expectation Ô ([`super::expectation`]), cell by cell, in the norm
+//! Light O is compared with an expectation Ô ([`super`]), cell by cell, in the norm
 //! ‖v‖∞ = max |v_j| over the four coefficients of all three colours:
 //!
 //! - absolute error ‖O − Ô‖∞, mean and maximum over cells;
@@ -11,7 +11,7 @@
 //! Means divide by the cells really summed. The thesis divides by (8^l − 8)/7, which is that number only
 //! if the 1³ level does not exist, as in its GPU version.
 
-use super::expectation::Expectation;
+use super::Expectation;
 
 /// The error of one level, or of all together, after one iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
