@@ -129,6 +129,11 @@ impl<T: Real> Ordinates<T> {
         self.count
     }
 
+    /// How many numbers are kept for each face: directions, and lanes that carry none.
+    fn lanes(&self) -> usize {
+        self.octants.iter().map(|octant| LANES * octant.groups.len()).sum()
+    }
+
     /// The rule by which light is shared.
     pub fn rule(&self) -> Rule {
         self.rule

@@ -47,12 +47,11 @@ pub(super) struct Beams<T> {
 
 /// Bytes that the light under way will take: what comes in by three faces, for each direction and cell.
 pub(super) fn bytes(problem: &Problem, sizes: Levels, channels: usize, number: usize) -> u64 {
-    // A group of directions is at most one lane short in each octant; that is not counted.
-    let directions = problem.propagation.ordinates.directions.next_multiple_of(super::LANES) as u64;
+    let lanes = Ordinates::<f32>::of(&problem.propagation.ordinates).lanes() as u64;
     let cells = (sizes.finest() as u64).pow(3);
     let unsent = memory::of_grid::<f32>(sizes.finest()) * number as u64 / size_of::<f32>() as u64;
     let transparency = if problem.has_occluders() { cells * size_of::<f32>() as u64 } else { 0 };
-    (3 * directions * cells * number as u64 + unsent) * channels as u64 + transparency
+    (3 * lanes * cells * number as u64 + unsent) * channels as u64 + transparency
 }
 
 impl<T: Real> Beams<T> {
