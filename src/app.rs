@@ -45,7 +45,7 @@ pub fn run(preset: Preset, path: Option<PathBuf>) -> Result<(), eframe::Error> {
             .with_app_id(APP_ID)
             .with_title("lpv-lab")
             .with_inner_size([1280.0, 720.0])
-            .with_min_inner_size([900.0, 560.0]),
+            .with_min_inner_size([480.0, 320.0]),
         persistence_path: home.as_ref().map(Home::layout),
         ..Default::default()
     };

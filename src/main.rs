@@ -8,8 +8,6 @@ use std::process::ExitCode;
 use clap::Parser;
 use lpv_lab::cli::{self, Cli, CliError, Opened, RunArgs, console};
 use lpv_lab::system::memory;
-#[cfg(feature = "app")]
-use lpv_lab::system::text::shortened;
 use lpv_lab::transport::team;
 
 /// The built-in preset that is opened when none is named.
@@ -102,15 +100,10 @@ fn window(Opened { preset, file, .. }: Opened) -> Option<String> {
     if cfg!(target_os = "linux") && ["DISPLAY", "WAYLAND_DISPLAY"].iter().all(|v| std::env::var_os(v).is_none()) {
         return Some("no display".to_owned());
     }
-    lpv_lab::app::run(preset, file).err().map(|error| format!("no window ({})", brief(&error.to_string())))
-}
-
-/// The first sentence of what a driver says: the rest is for those who write drivers.
-#[cfg(feature = "app")]
-fn brief(error: &str) -> String {
-    let sentence = error.lines().next().unwrap_or_default();
-    let end = sentence.find([':', '(', '{']).filter(|end| *end > 0).unwrap_or(sentence.len());
-    shortened(sentence[..end].trim(), 80)
+    let error = lpv_lab::app::run(preset, file).err()?;
+    // What drivers say is for those who write them.
+    log::warn!("{error}");
+    Some("no window can be opened on this display (RUST_LOG=warn tells more)".to_owned())
 }
 
 #[cfg(not(feature = "app"))]

@@ -3,6 +3,7 @@
 //! Everything here is pure: values in, outlines, text or bytes out. The window draws the same
 //! [`mod@slice`], [`glyph`] and [`colour`] with its own meshes.
 
+pub mod apng;
 mod axis;
 pub mod colour;
 pub mod error_figure;
@@ -12,7 +13,9 @@ pub mod number;
 pub mod pareto_figure;
 pub mod picture;
 pub mod plot;
+pub mod port;
 pub mod raster;
+pub mod shadow_map;
 pub mod slice;
 mod svg;
 pub mod table;

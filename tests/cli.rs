@@ -67,6 +67,18 @@ fn without_a_display_a_preset_is_run_headless_and_it_says_so() {
     assert!(folder.path().join("lpv-lab-results/back-bleeding/errors.csv").exists());
 }
 
+/// No driver's words: one line, whatever stands in the way of a window.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_display_that_cannot_be_opened_is_told_in_one_plain_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let preset = Path::new(env!("CARGO_MANIFEST_DIR")).join("presets/one-lobe.ron");
+    let output = lab().current_dir(folder.path()).env("DISPLAY", ":4711").arg(preset).assert().success();
+    let said = String::from_utf8(output.get_output().stderr.clone()).unwrap();
+    assert_eq!(said.lines().count(), 1, "{said}");
+    assert!(said.contains("headless, results in") && !said.contains(".rs:") && said.len() < 200, "{said}");
+}
+
 #[test]
 fn what_one_run_writes_another_injects_whichever_the_format() {
     let folder = tempfile::tempdir().unwrap();
@@ -142,6 +154,40 @@ fn light_that_surfaces_do_not_send_is_doubted_with_its_place() {
                 }
                 None => assert_eq!(said, ""),
             }
+        }
+    }
+}
+
+#[test]
+fn light_that_is_not_there_or_cannot_get_out_is_doubted() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("p.ron");
+    let lamp = "injectors: [\n(kind: Single(cell: (4, 4, 4)))]";
+    let hard = |to: usize| {
+        format!("{lamp}, occluders: [(kind: Box(from: (3, 3, 3), to: (5, 5, {to})))], occlusion: (mode: Hard)")
+    };
+    for (lists, words) in [
+        ("injectors: []".to_owned(), Some("p.ron:1:34: there is no light")),
+        ("injectors: [(kind: Wall(side: NegX), enabled: false)]".to_owned(), Some("there is no light")),
+        ("injectors: [(kind: Wall(side: NegX), color: (0, 0, 0))]".to_owned(), Some("there is no light")),
+        (hard(5), Some("p.ron:2:1: 1 of 1 lit cells are shut in by opaque ones, such as (4, 4, 4)")),
+        // The light's own cell may be opaque, as long as one beside it is not.
+        (hard(4), None),
+        (hard(5).replace("Hard", "Fuzzy"), None),
+        (lamp.to_owned(), None),
+    ] {
+        let text = format!(
+            "(version: 1, size: 8, injectors: {}, propagation: (iterations: 1))",
+            &lists["injectors: ".len()..]
+        );
+        std::fs::write(&path, text).unwrap();
+        let output = lab().arg("cells").arg(&path).assert().success().get_output().clone();
+        let said = String::from_utf8(output.stderr).unwrap();
+        match words {
+            Some(words) => {
+                assert!(said.lines().count() == 1 && said.contains("warning: ") && said.contains(words), "{said}")
+            }
+            None => assert_eq!(said, "", "{lists}"),
         }
     }
 }

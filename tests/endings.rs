@@ -332,6 +332,6 @@ fn a_limit_of_threads_makes_it_slower_and_says_so() {
     let output = command.output().expect("started");
     let said = stderr(&output);
     assert_eq!((output.status.code(), said.lines().count()), (Some(0), 1), "{said}");
-    assert!(said.contains("1 of 3 threads can be started"), "{said}");
+    assert!(said.contains("0 of 3 threads can be started"), "{said}");
     check_whole(&place.at("r/errors.csv"));
 }

@@ -2,5 +2,7 @@
 
 pub mod dialog;
 pub mod export;
+pub mod film;
 pub mod home;
+pub mod preview;
 pub mod recovery;

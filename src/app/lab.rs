@@ -11,12 +11,17 @@ use egui::{Context, Panel, Ui, ViewportCommand};
 
 use super::draw::style;
 use super::files::dialog::Dialog;
+use super::files::film::Film;
 use super::files::home::Home;
+use super::files::preview::Preview;
 use super::files::recovery::Recovery;
-use super::panels::{keys, menu, notice, offer, question, scene, timeline, toolbar};
+use super::panels::button::fold_button;
+use super::panels::gallery::Gallery;
+use super::panels::palette::{self, Palette};
+use super::panels::{field, keys, menu, notice, offer, question, scene, timeline, toolbar};
 use super::session::Session;
 use super::session::ask::{Asks, Next};
-use super::session::command;
+use super::session::command::{self, Command};
 use super::session::curves::Curves;
 use super::session::line::Course;
 use super::session::settings::Settings;
@@ -30,12 +35,18 @@ pub struct Lab {
     session: Session,
     workspaces: Workspaces,
     dialog: Dialog,
+    film: Film,
+    preview: Preview,
     /// Where settings are kept, if they are.
     home: Option<Home>,
     /// Where unsaved work is kept, if it is.
     recovery: Option<Recovery>,
     keys_open: bool,
+    palette: Option<Palette>,
+    gallery: Gallery,
     window_title: String,
+    /// Whether it was told that settings cannot be kept.
+    told_of_home: bool,
     /// Whether the window may close although edits are not saved.
     discard: bool,
     /// What waits for edits to be saved or given up.
@@ -50,10 +61,15 @@ impl Lab {
             session: Session::new(ctx, preset, path, settings)?,
             workspaces: Workspaces::default(),
             dialog: Dialog::new(ctx),
+            film: Film::default(),
+            preview: Preview::default(),
             home: None,
             recovery: None,
             keys_open: false,
+            palette: None,
+            gallery: Gallery::default(),
             window_title: String::new(),
+            told_of_home: false,
             discard: false,
             next: None,
         })
@@ -62,8 +78,9 @@ impl Lab {
     /// Everything that happens between frames: news, keys, files, play.
     pub fn logic(&mut self, ctx: &Context) {
         self.session.listen();
+        self.session.size = ctx.content_rect().size();
         // While a question stands, keys are for answering it.
-        if self.next.is_none() && !self.dialog.asks() {
+        if self.next.is_none() && !self.dialog.asks() && self.palette.is_none() && !self.gallery.open {
             for command in command::pressed(ctx, |command| self.session.can(command)) {
                 self.perform(command, ctx);
             }
@@ -76,6 +93,7 @@ impl Lab {
         self.workspaces.get(self.session.settings.workspace).logic(ctx, &self.session, &mut asks);
         self.grant(asks, ctx);
         let now = ctx.input(|input| input.time);
+        self.film.advance(&mut self.session, ctx);
         self.session.advance(ctx, now);
         self.keep_unsaved(ctx, now);
     }
@@ -92,14 +110,27 @@ impl Lab {
         Panel::top("actions").show(ui, |ui| toolbar::ui(ui, session, &mut asks));
         Panel::bottom("foot").show(ui, |ui| notice::foot(ui, session, &mut asks));
         Panel::bottom("timeline").show(ui, |ui| timeline::ui(ui, session, &mut asks));
-        Panel::left("scene").default_size(290.0).size_range(230.0..=480.0).show(ui, |ui| {
-            scene::ui(ui, session, &mut asks);
-        });
+        if session.settings.folds.scene(session.size) {
+            Panel::left("scene, folded").exact_size(26.0).resizable(false).show(ui, |ui| {
+                ui.add_space(4.0);
+                fold_button(ui, "⏵", Command::FoldScene, &mut asks);
+            });
+        } else {
+            Panel::left("scene").default_size(290.0).size_range(230.0..=480.0).show(ui, |ui| {
+                scene::ui(ui, session, &mut asks);
+            });
+        }
         self.workspaces.get(session.settings.workspace).ui(ui, session, &mut asks);
-        let Settings { recent, plots, .. } = &mut self.session.settings;
-        self.dialog.ui(ui, recent, &mut plots.format);
+        let mut format = self.session.settings.plots.format;
+        self.dialog.ui(ui, &self.session, &mut format, &mut self.preview);
+        self.session.settings.plots.format = format;
         keys::ui(&ctx, &mut self.keys_open);
+        palette::ui(&ctx, &mut self.palette, &self.session, &mut asks);
+        self.gallery.ui(&ctx, &mut asks);
         self.grant(asks, &ctx);
+        if let Some(text) = field::take_unreadable(&ctx) {
+            self.session.fail(format!("“{text}” is no number; the field keeps what it had"));
+        }
         self.closing(&ctx);
     }
 
@@ -180,7 +211,7 @@ impl Lab {
 
     /// Whether nothing is being computed or waited for.
     pub fn is_idle(&self) -> bool {
-        self.session.is_idle()
+        self.session.is_idle() && !self.film.is_underway()
     }
 
     /// Whether the results were made from another scene than the one as it is now.

@@ -2,15 +2,21 @@
 //! asks; it changes nothing itself.
 
 pub mod button;
+pub mod canvas;
 pub mod field;
 pub mod format;
+pub mod gallery;
+pub mod guide;
 pub mod inspector;
 pub mod keys;
 pub mod legend;
 pub mod menu;
+pub mod mesh_scene;
 pub mod notice;
 pub mod offer;
+pub mod palette;
 pub mod plots;
+pub mod port;
 pub mod question;
 pub mod runs;
 pub mod scene;

@@ -3,17 +3,22 @@
 
 pub mod asides;
 pub mod ask;
+pub mod branches;
 pub mod cell_files;
 pub mod command;
 pub mod comparison;
 pub mod curves;
 pub mod document;
+pub mod folds;
 pub mod format;
+pub mod guide;
+pub mod items;
 pub mod line;
 pub mod pareto;
 pub mod pin;
 pub mod place;
 pub mod plots;
+pub mod port;
 pub mod purpose;
 pub mod run;
 pub mod settings;
@@ -30,11 +35,12 @@ use egui::Context;
 use self::asides::Asides;
 use self::comparison::Comparison;
 use self::document::Document;
+use self::items::{Item, Tool};
 use self::run::Run;
 use self::settings::Settings;
 use self::sight::Sight;
-use super::worker::{News, Order, Start};
-use crate::scene::Preset;
+use super::worker::{News, Order, Progress, Start};
+use crate::scene::{Preset, builtin};
 use crate::simulation::Action;
 use crate::transport::preset;
 
@@ -46,6 +52,9 @@ pub struct Notice {
     /// Whether something went wrong.
     pub error: bool,
 }
+
+/// The side of the largest volume that runs again after every edit where nothing else was chosen.
+const RERUN_UP_TO: usize = 64;
 
 /// The most messages that are remembered.
 const MOST_MESSAGES: usize = 100;
@@ -64,8 +73,18 @@ pub struct Session {
     pub comparison: Comparison,
     /// What is found out aside.
     pub asides: Asides,
+    /// The port that is looked at.
+    pub port: port::Port,
+    /// The window's size, in points.
+    pub size: egui::Vec2,
+    /// What the pointer does in the views.
+    pub tool: Tool,
+    /// The object that is chosen.
+    pub selected: Option<Item>,
     /// The injector that waits for a click to be placed.
     pub placing: Option<usize>,
+    /// What to look for in the preset, until it is dismissed.
+    pub guide: Option<String>,
     /// What is to be said, until it is dismissed.
     pub notice: Option<Notice>,
     /// What was said so far, the latest last.
@@ -75,6 +94,7 @@ pub struct Session {
 impl Session {
     /// A session on a preset, with its file if it has one.
     pub fn new(ctx: &Context, preset: Preset, path: Option<PathBuf>, settings: Settings) -> std::io::Result<Self> {
+        let guide = guide::of_preset(&preset);
         let mut session = Session {
             run: Run::new(ctx, preset.clone(), settings.budget())?,
             document: Document::new(preset, path),
@@ -82,7 +102,12 @@ impl Session {
             sight: Sight::default(),
             comparison: Comparison::default(),
             asides: Asides::default(),
+            port: port::Port::default(),
+            size: egui::vec2(1280.0, 720.0),
+            tool: Tool::default(),
+            selected: None,
             placing: None,
+            guide,
             notice: None,
             messages: Vec::new(),
         };
@@ -105,7 +130,7 @@ impl Session {
                     curves.put(iteration, metric, measured);
                 }
             }
-            News::Done { change, progress } => {
+            News::Done { change, progress, each } => {
                 self.run.waiting = None;
                 self.sight.answered = false;
                 self.run.change = change.or(self.run.change);
@@ -113,6 +138,9 @@ impl Session {
                 if self.sight.centre {
                     self.sight.centre = false;
                     self.settings.view.index = progress.brightest[self.settings.view.axis.across()];
+                }
+                if change.is_some_and(|change| change.action == Action::Propagate) {
+                    self.run.curves.iter_mut().zip(each).for_each(|(curves, seconds)| curves.seconds.push(seconds));
                 }
                 let same = change.is_none_or(|change| change.action == Action::Merge);
                 let from = progress.iteration + usize::from(same);
@@ -124,6 +152,8 @@ impl Session {
                     self.sight.pinned = samples;
                 }
             }
+            News::Branches(tags) => self.run.branches.keep(tags),
+            News::Returned(tag) => self.run.turn_to(tag),
             News::Failed(line) => {
                 self.run.waiting = None;
                 self.sight.answered = true;
@@ -142,8 +172,8 @@ impl Session {
         if self.document.note(now) {
             ctx.request_repaint_after_secs(0.25);
         }
-        if self.settings.rerun && self.is_stale() && self.is_idle() && preset::check(&self.document.preset).is_ok() {
-            self.run_again();
+        if self.reruns() && self.is_stale() && self.is_idle() && preset::check(&self.document.preset).is_ok() {
+            self.run_again_by_itself();
         }
         self.choose_metric();
         self.seek(ctx);
@@ -153,6 +183,11 @@ impl Session {
             self.sight.asked = Some(look);
             self.sight.answered = false;
         }
+    }
+
+    /// Whether edits run again by themselves: as was chosen, else where it takes no time to speak of.
+    pub fn reruns(&self) -> bool {
+        self.settings.rerun.unwrap_or(self.document.preset.size <= RERUN_UP_TO)
     }
 
     /// Whether nothing is being computed or waited for.
@@ -198,6 +233,8 @@ impl Session {
         self.run.kept.clear();
         self.sight.pin = None;
         self.placing = None;
+        self.selected = None;
+        self.guide = None;
         self.sight.centre = true;
         self.begin();
     }
@@ -205,7 +242,12 @@ impl Session {
     /// Opens a preset, or tells why it cannot be.
     pub fn open(&mut self, path: &Path) {
         match preset::read(path) {
-            Ok(preset) => self.take(Document::new(preset, Some(path.to_path_buf()))),
+            Ok(preset) => {
+                self.take(Document::new(preset, Some(path.to_path_buf())));
+                // It was just read; what has changed since is told when it is opened again.
+                self.guide = std::fs::read_to_string(path).ok().map(|text| guide::of_text(&text));
+                self.guide.take_if(|guide| guide.is_empty());
+            }
             Err(error) => self.fail(error.to_string()),
         }
     }
@@ -213,7 +255,10 @@ impl Session {
     /// Opens a preset that the program brings along.
     pub fn open_built_in(&mut self, name: &str) {
         match Document::built_in(name) {
-            Ok(document) => self.take(document),
+            Ok(document) => {
+                self.take(document);
+                self.guide = builtin::find(name).map(guide::of_text);
+            }
             Err(error) => self.fail(error.to_string()),
         }
     }
@@ -242,14 +287,25 @@ impl Session {
         self.load(Start::To { iteration: 0, merge: false });
     }
 
-    /// Hands the document to the worker.
+    /// Hands the document to the worker; the run that is left can be gone back to.
     pub(super) fn load(&mut self, start: Start) {
+        self.load_and(start, true);
+    }
+
+    /// The same, where an edit runs again by itself: a way of many small steps is no way that anybody goes back.
+    fn run_again_by_itself(&mut self) {
+        let Progress { iteration, merged, .. } = self.run.progress;
+        self.load_and(Start::To { iteration, merge: merged }, false);
+    }
+
+    /// Hands the document to the worker; `leave` keeps the run that is left.
+    fn load_and(&mut self, start: Start, leave: bool) {
         if let Err(fault) = preset::check(&self.document.preset) {
             self.fail(fault.to_string());
             return;
         }
         self.notice = None;
-        self.run.load(&self.document, self.comparison.others.clone(), start);
+        self.run.load(&self.document, self.comparison.others.clone(), start, leave);
         // What is to be seen outlasts scenes, but the worker answers for the scene it was asked with.
         self.sight.asked = None;
     }

@@ -6,11 +6,14 @@
 //! each, so that it can be watched and stopped; when the window goes, the thread ends by itself. A panic in
 //! here is caught and told, and the window lives on.
 
+mod branches;
 pub mod cut;
 mod desk;
 pub mod history;
 mod ledger;
 pub mod look;
+pub mod peaks;
+pub mod received;
 pub mod rival;
 pub mod track;
 
@@ -52,6 +55,10 @@ pub struct Load {
     pub others: Vec<Rival>,
     /// What to do at once.
     pub start: Start,
+    /// What the run is known by, in [`News::Returned`].
+    pub tag: u64,
+    /// Whether the run that is left is kept, to be gone back to.
+    pub leave: bool,
 }
 
 /// What the window asks for.
@@ -63,8 +70,12 @@ pub enum Order {
     Act(Action),
     /// End the run after the iteration that is being computed.
     Stop,
-    /// Go back to this iteration and forget what came after.
-    Restart(usize),
+    /// Go on from this iteration, as the run of this tag; the run that is left can be gone back to.
+    Restart(usize, u64),
+    /// Go back to the run that was left last.
+    Back,
+    /// Go to the run that was last gone back from.
+    Forward,
     /// Show this from now on.
     Look(Look),
     /// Follow this cell.
@@ -125,6 +136,8 @@ pub enum News {
         change: Option<Change>,
         /// How far the worker is.
         progress: Progress,
+        /// What the action took with each propagator, in seconds.
+        each: Vec<f64>,
     },
     /// An iteration has been measured.
     Measured {
@@ -148,6 +161,10 @@ pub enum News {
     },
     /// What the pinned cell has held so far, iteration by iteration.
     Pinned(Pin, Vec<PinSample>),
+    /// The tags of the runs before and after the present one, the nearest last.
+    Branches([Vec<u64>; 2]),
+    /// The run that is present again; what follows is about it.
+    Returned(u64),
     /// The scene or an action failed; one line that says why and what would be right.
     Failed(String),
 }
@@ -200,7 +217,7 @@ mod tests {
     fn load(size: usize, start: Start) -> Order {
         let text = format!("(version: 1, size: {size}, injectors: [(kind: Single(cell: (0, 1, 2)))])");
         let preset = Preset::parse(&text, Path::new("test")).unwrap();
-        Order::Load(Box::new(Load { preset, folder: PathBuf::new(), others: Vec::new(), start }))
+        Order::Load(Box::new(Load { preset, folder: PathBuf::new(), others: Vec::new(), start, tag: 0, leave: true }))
     }
 
     fn look(iteration: Option<usize>) -> Order {
@@ -211,6 +228,7 @@ mod tests {
             layer: Layer::Merged,
             plane: Plane::default(),
             against: Expectation::Thesis,
+            brightest: Default::default(),
             cloud: None,
         })
     }
@@ -285,7 +303,14 @@ mod tests {
         let text = "(version: 1, size: 4, injectors: [(kind: Single(cell: (0, 1, 2)))], propagation: (factor: 50))";
         let preset = Preset::parse(text, Path::new("test")).unwrap();
         let start = Start::To { iteration: 1000, merge: true };
-        worker.order(Order::Load(Box::new(Load { preset, folder: PathBuf::new(), others: Vec::new(), start })));
+        worker.order(Order::Load(Box::new(Load {
+            preset,
+            folder: PathBuf::new(),
+            others: Vec::new(),
+            start,
+            tag: 0,
+            leave: true,
+        })));
         let (mut failure, mut reached) = (None, 0);
         while failure.is_none() {
             let news = wait(&worker, |news| Some(news.clone()));
@@ -323,7 +348,14 @@ mod tests {
         let mut preset = Preset::default();
         preset.propagation.scheme = "no such".to_owned();
         let others = Vec::new();
-        worker.order(Order::Load(Box::new(Load { preset, folder: PathBuf::new(), others, start: Start::Dark })));
+        worker.order(Order::Load(Box::new(Load {
+            preset,
+            folder: PathBuf::new(),
+            others,
+            start: Start::Dark,
+            tag: 0,
+            leave: true,
+        })));
         let line = wait(&worker, |news| match news {
             News::Failed(line) => Some(line.clone()),
             _ => None,

@@ -16,9 +16,8 @@ use crate::scene::Problem;
 use crate::study::artefacts::{Artefacts, Shares};
 use crate::study::compare::{self, Finding, PATIENCE};
 use crate::study::expectation::Expectation;
-use crate::transport::known_scheme;
+use crate::transport;
 use crate::transport::lattice::schemes;
-use crate::transport::ordinates;
 
 /// What to compare.
 #[derive(Args, Debug)]
@@ -77,8 +76,8 @@ impl CompareArgs {
 }
 
 fn check_schemes(names: &[&str]) -> Result<(), CliError> {
-    for name in names.iter().filter(|name| **name != ordinates::NAME) {
-        known_scheme(name)?;
+    for name in names {
+        transport::known(name)?;
     }
     Ok(())
 }

@@ -62,7 +62,7 @@ fn check_room(simulation: &Simulation<f32>) -> Result<(), CliError> {
 /// references are ready for.
 pub fn run(simulation: &mut Simulation<f32>, references: &References) -> Result<Course, CliError> {
     check_room(simulation)?;
-    let iterations = simulation.problem().propagation.iterations;
+    let iterations = simulation.problem().actions();
     let bar = bar(iterations as u64, "{bar:40} iteration {pos} of {len}, {eta} left");
     say!("{}", LINE_HEAD);
     let (mut rows, mut aside) = (Vec::new(), 0.0);

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::CliError;
 use super::console::remark;
@@ -10,6 +10,7 @@ use super::numbers::{decimal, whole};
 use crate::scene::doubts::doubts;
 use crate::scene::preset::LONGEST;
 use crate::scene::propagation::Policy;
+use crate::scene::propagation::descent::{Descent, Inside};
 use crate::scene::propagation::ordinates::Rule;
 use crate::scene::{Preset, Problem, SceneError, builtin, file};
 use crate::system::text::{nearest, one_line, shortened};
@@ -32,9 +33,19 @@ pub struct SceneArgs {
     /// The propagation factor, p
     #[arg(long, value_name = "P", value_parser = decimal, allow_negative_numbers = true)]
     pub factor: Option<f64>,
-    /// How the operator follows from the octree level: same, one factor for all; consistent, levels that agree
+    /// How the operator follows from the octree level: same, one factor for all; consistent or exact, levels that agree
     #[arg(long, value_name = "POLICY", value_parser = policy)]
     pub levels: Option<Policy>,
+    /// Let the coarse levels start the fine ones: over all cells of a level, or over leaves; --iterations are then those
+    /// of every level
+    #[arg(long, value_name = "TILING")]
+    pub descent: Option<DescentArg>,
+    /// How far leaves are from injected light, in halves of their width
+    #[arg(long, value_name = "R", value_parser = super::octree::distance)]
+    pub leaf_distance: Option<f64>,
+    /// How a descent shows the light of coarse cells in the finest ones
+    #[arg(long, value_name = "SHAPE")]
+    pub inside: Option<InsideArg>,
     /// About how many directions the propagator `ordinates` has
     #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
     pub directions: Option<usize>,
@@ -47,6 +58,26 @@ pub struct SceneArgs {
     /// Let faces carry negative flux
     #[arg(long)]
     pub no_clamp: bool,
+}
+
+/// What a descent goes over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DescentArg {
+    /// No descent: every level is propagated by itself
+    Off,
+    /// All cells of one level after the other
+    Cells,
+    /// Leaves, the larger the farther from injected light
+    Leaves,
+}
+
+/// What coarse cells show inside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum InsideArg {
+    /// Light that decays as the neighbours say
+    Exponential,
+    /// The same light everywhere
+    Constant,
 }
 
 impl SceneArgs {
@@ -65,6 +96,13 @@ impl SceneArgs {
         }
         if let Some(levels) = self.levels {
             propagation.levels = levels;
+        }
+        propagation.descent = self.descent(propagation.descent)?;
+        if let Some(inside) = self.inside {
+            propagation.inside = match inside {
+                InsideArg::Exponential => Inside::Exponential,
+                InsideArg::Constant => Inside::Constant,
+            };
         }
         if let Some(directions) = self.directions {
             propagation.ordinates.directions = directions;
@@ -85,6 +123,25 @@ impl SceneArgs {
             remark!("warning: {}", SceneError::from(doubt).at_its_place(&text, &self.preset));
         }
         Ok((preset, problem))
+    }
+
+    /// The descent asked for, where the preset's own is `preset`.
+    fn descent(&self, preset: Descent) -> Result<Descent, CliError> {
+        let (before, leaves) = match preset {
+            Descent::Leaves { distance } => (distance, true),
+            _ => (Descent::DISTANCE, false),
+        };
+        let distance = self.leaf_distance.unwrap_or(before);
+        match self.descent {
+            Some(DescentArg::Off) => Ok(Descent::Off),
+            Some(DescentArg::Cells) => Ok(Descent::Cells),
+            Some(DescentArg::Leaves) => Ok(Descent::Leaves { distance }),
+            None if self.leaf_distance.is_some() && !leaves => {
+                Err(CliError::Input("--leaf-distance is for leaves: write --descent leaves, too".to_owned()))
+            }
+            None if leaves => Ok(Descent::Leaves { distance }),
+            None => Ok(preset),
+        }
     }
 
     /// What people see of the preset in a line: its title, or its file's name.

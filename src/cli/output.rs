@@ -91,7 +91,7 @@ impl Folder {
         write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
     ) -> Result<(), CliError> {
         let mut record = self.record.lock().unwrap_or_else(PoisonError::into_inner);
-        record.add(&self.path, name).map_err(|e| CliError::cannot_write(&self.path.join(name), &e))?;
+        record.add(&self.path, name).map_err(|e| CliError::Failed(e.to_string()))?;
         write_whole_with(&self.path.join(name), write).map_err(|e| CliError::Failed(e.to_string()))
     }
 

@@ -8,7 +8,8 @@
 
 use super::error::{Fault, Step};
 use super::injector::{Injector, InjectorKind};
-use super::{Preset, Problem};
+use super::occluder::OcclusionMode;
+use super::{Preset, Problem, Source};
 use crate::field::Cell;
 use crate::sh::Sh;
 
@@ -17,13 +18,45 @@ const ROUNDING: f64 = 1e-3;
 
 /// Everything about a preset's light that is to be doubted, in the preset's order. `problem` is what the preset became.
 pub fn doubts(preset: &Preset, problem: &Problem) -> Vec<Fault> {
+    let lit = |source: &Source| {
+        source.color.iter().any(|part| *part > 0.0) && source.light.iter().any(|(_, sh)| !sh.is_zero())
+    };
+    if !problem.sources.iter().any(lit) {
+        return vec![
+            Fault::new("there is no light", "add an injector, switch one on, or give it a colour").field("injectors"),
+        ];
+    }
     let enabled = preset.injectors.iter().enumerate().filter(|(_, injector)| injector.enabled);
-    let lit = enabled.zip(&problem.sources);
-    lit.filter_map(|((i, injector), source)| {
-        let fault = of_file(injector, &source.light)?;
-        Some(fault.within(Step::Item(i)).within(Step::Field("injectors")))
-    })
-    .collect()
+    let found = enabled.zip(&problem.sources).flat_map(|((i, injector), source)| {
+        let faults = of_file(injector, &source.light).into_iter().chain(shut_in(problem, &source.light));
+        faults.map(move |fault| fault.within(Step::Item(i)).within(Step::Field("injectors")))
+    });
+    found.collect()
+}
+
+/// Light that hard occluders keep in its cells: nothing can be learned from it.
+fn shut_in(problem: &Problem, light: &[(Cell, Sh<f64>)]) -> Option<Fault> {
+    if problem.occlusion.mode != OcclusionMode::Hard || problem.solids.is_empty() {
+        return None;
+    }
+    let order = |cell: Cell| [cell[2], cell[1], cell[0]];
+    let opaque = |(axis, cell): (usize, Cell)| {
+        let found = problem.solids.binary_search_by_key(&order(cell), |solid| order(solid.cell));
+        found.is_ok_and(|i| problem.solids[i].opacity[axis] >= 1.0)
+    };
+    let is_shut = |cell: Cell| {
+        let neighbours = (0..6).map(|face| {
+            let (axis, mut neighbour) = (face / 2, cell);
+            neighbour[axis] = if face % 2 == 0 { cell[axis].checked_sub(1)? } else { cell[axis] + 1 };
+            (neighbour[axis] < problem.size).then_some((axis, neighbour))
+        });
+        // Through the volume's border light leaves.
+        neighbours.into_iter().all(|neighbour| neighbour.is_some_and(opaque))
+    };
+    let count = light.iter().filter(|(cell, _)| is_shut(*cell)).count();
+    let ([x, y, z], _) = light.iter().find(|(cell, _)| is_shut(*cell))?;
+    let what = format!("{count} of {} lit cells are shut in by opaque ones, such as ({x}, {y}, {z})", light.len());
+    Some(Fault::new(what, "light does not leave them; move it, or open a way"))
 }
 
 /// What is odd about the light of a file.

@@ -15,6 +15,7 @@ use crate::field::{Cell, Layout, Marks};
 use crate::sh::Real;
 use crate::simulation::{Refusal, Simulation};
 use crate::study::light::Brightness;
+use crate::transport::kind::Precision;
 
 /// A share of the light of some cells, as it is seen and level by level.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -52,7 +53,7 @@ impl Artefacts {
     ///
     /// # Errors
     /// Where memory is short.
-    pub fn of<T: Real>(state: &Simulation<T>) -> Result<Self, Refusal> {
+    pub fn of<T: Precision>(state: &Simulation<T>) -> Result<Self, Refusal> {
         Ok(Artefacts {
             leak: leak::of(state)?,
             back_bleeding: back_bleeding::of(state),

@@ -7,11 +7,13 @@
 //! - The *ballistic* reference is not a propagator at all: [`crate::transport::ballistic`].
 
 use crate::field::Grid;
-use crate::scene::propagation::Snapshots;
-use crate::scene::{Problem, Propagation};
+use crate::scene::Problem;
+use crate::scene::propagation::descent::Descent;
+use crate::scene::propagation::{Policy, Propagation, Snapshots};
 use crate::sh::Real;
 use crate::simulation::options::Wanted;
 use crate::simulation::{Action, Light, Refusal, Simulation};
+use crate::transport::kind::Precision;
 use crate::transport::lattice::fixed_point;
 
 /// The relative residual to which the fixed point is solved for.
@@ -23,14 +25,37 @@ const LOOK_AFTER: usize = 20;
 /// Light of the newest snapshot over all light, under which it has died out.
 const DIED_OUT: f64 = 1e-6;
 
-/// Each channel's accumulated light in the uniform volume of the same size, scheme and iterations.
+/// Each channel's accumulated light in the uniform volume of the same size and scheme: after as many iterations, or, as
+/// a descent has no uniform volume beside it, after all there could be.
 pub fn uniform<T: Real>(simulation: &Simulation<T>) -> Vec<Grid<T>> {
-    simulation.lights().iter().map(|light| light.accumulated.level(0).clone()).collect()
+    let own = || simulation.lights().iter().map(|light| light.accumulated.level(0).clone()).collect();
+    if simulation.problem().propagation.descent == Descent::Off {
+        return own();
+    }
+    match fixed_point::solve(&finest(simulation.problem()), TOLERANCE, |_| true) {
+        Ok(Some(found)) => found.light.iter().map(cast).collect(),
+        // Light that grows for ever has no fixed point.
+        _ => own(),
+    }
+}
+
+fn cast<T: Real>(light: &Grid<f32>) -> Grid<T> {
+    let mut grid = Grid::new(light.side());
+    for (to, from) in grid.planes_mut().into_iter().zip(light.planes()) {
+        to.iter_mut().zip(from).for_each(|(to, from)| *to = T::of(f64::from(*from)));
+    }
+    grid
+}
+
+/// The finest level of a problem alone, propagated as ever.
+fn finest(problem: &Problem) -> Problem {
+    let propagation = Propagation { descent: Descent::Off, levels: Policy::Same, ..problem.propagation.clone() };
+    Problem { coarsest: problem.size, propagation, ..problem.clone() }
 }
 
 /// A simulation of the finest level alone, with the scene's light injected and nothing propagated yet.
-pub fn injected<T: Real>(problem: &Problem) -> Result<Simulation<T>, Refusal> {
-    let mut simulation = Simulation::new(Problem { coarsest: problem.size, ..problem.clone() })?;
+pub fn injected<T: Precision>(problem: &Problem) -> Result<Simulation<T>, Refusal> {
+    let mut simulation = Simulation::new(finest(problem))?;
     simulation.act(Action::Clear);
     simulation.act(Action::Inject);
     Ok(simulation)

@@ -19,39 +19,34 @@ use std::time::{Duration, Instant};
 /// frames of a small scene, and short enough that nobody minds when none comes.
 const PATIENCE: Duration = Duration::from_millis(1);
 
-/// Starts everybody's pool with as many threads as the system gives: under `ulimit -u` or `-v` it may be fewer than
-/// there are cores, down to the caller's own. Returns how many there are and how many there should be. To be called once,
-/// before anything else asks for the pool, which would otherwise panic where a thread cannot be started.
+/// The program's pool, once it has been gathered.
+static POOL: OnceLock<rayon::ThreadPool> = OnceLock::new();
+
+/// Starts the program's pool with as many threads as the system gives: under `ulimit -u` or `-v` it may be fewer than
+/// there are cores, down to none, and then the caller does the work. Returns how many were started and how many should
+/// be. To be called before any work: rayon's own pool would panic where one of its threads cannot be started.
 pub fn gather() -> (usize, usize) {
     let asked = std::env::var("RAYON_NUM_THREADS").ok().and_then(|number| number.parse().ok()).filter(|n| *n > 0);
     let wanted = asked.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
-    let got = startable(wanted);
-    let pool = rayon::ThreadPoolBuilder::new();
-    let pool = if got == 0 { pool.num_threads(1).use_current_thread() } else { pool.num_threads(got) };
-    // Where it has been started already, it is as it is.
-    let _ = pool.build_global();
-    (got.max(1), wanted)
+    for threads in (1..=wanted).rev() {
+        if let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+            // Where it has been gathered before, it is as it is.
+            let _ = POOL.set(pool);
+            return (threads, wanted);
+        }
+    }
+    let _ = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global();
+    (0, wanted)
 }
 
-/// How many threads can be started now, at most `wanted`: the pool itself gives up for ever at the first that cannot.
-fn startable(wanted: usize) -> usize {
-    let ended = &Mutex::new(());
-    let held = ended.lock().unwrap_or_else(PoisonError::into_inner);
-    std::thread::scope(|scope| {
-        // Each takes some memory, as threads of the pool will: under `ulimit -v` that is what one may lack.
-        let wait = move || {
-            std::hint::black_box(vec![0u8; 1 << 12]);
-            drop(ended.lock());
-        };
-        let started = (0..wanted).take_while(|_| std::thread::Builder::new().spawn_scoped(scope, wait).is_ok()).count();
-        drop(held);
-        started
-    })
-}
-
-/// Does the work on a thread of a pool: here, if this is one, else in everybody's pool.
+/// Does the work on a thread of a pool: here, if this is one, else in the program's, or rayon's where none was
+/// gathered.
 pub fn inside<R: Send>(work: impl FnOnce() -> R + Send) -> R {
-    if rayon::current_thread_index().is_some() { work() } else { rayon::scope(|_| work()) }
+    match POOL.get() {
+        _ if rayon::current_thread_index().is_some() => work(),
+        Some(pool) => pool.install(work),
+        None => rayon::scope(|_| work()),
+    }
 }
 
 /// What `work` makes of every piece, in their order. The threads of the current pool share the pieces; which of
@@ -155,8 +150,10 @@ mod tests {
     }
 
     #[test]
-    fn as_many_threads_can_be_started_as_are_wanted_where_there_is_no_limit() {
-        assert_eq!((startable(0), startable(1), startable(5)), (0, 1, 5));
+    fn the_programs_pool_has_the_threads_that_it_says() {
+        let (got, wanted) = gather();
+        assert_eq!(got, wanted);
+        assert_eq!(inside(rayon::current_num_threads), got);
     }
 
     #[test]

@@ -24,9 +24,14 @@ impl Transparency {
         let mut passes = vec![1.0; n.pow(3)];
         for blocker in solids {
             let [x, y, z] = blocker.cell;
-            passes[(z * n + y) * n + x] = 1.0 - blocker.opacity as f32;
+            passes[(z * n + y) * n + x] = 1.0 - blocker.most_opaque() as f32;
         }
         Some(Transparency { n, passes })
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.passes.as_slice())
     }
 
     /// The share that passes a cell, 0 to 1.

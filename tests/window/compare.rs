@@ -1,5 +1,6 @@
 //! Views side by side.
 
+use egui_kittest::kittest::Queryable;
 use lpv_lab::study::expectation::Expectation;
 
 use crate::driver::*;
@@ -16,8 +17,8 @@ fn comparing() -> Window {
 #[test]
 fn propagators_are_compared_and_their_difference_is_shown() {
     let mut harness = comparing();
-    set_number(&mut harness, "Propagator B factor", 2.0);
     choose(&mut harness, "Propagator B scheme", "cascaded");
+    set_number(&mut harness, "Propagator B factor", 2.0);
     click(&mut harness, "Run again");
     let lab = lab(&harness);
     assert_eq!((lab.iteration(), lab.shown().len()), (5, 3));
@@ -91,5 +92,37 @@ fn differences_are_those_of_the_views_on_every_level_and_of_every_light() {
                 }
             }
         }
+    }
+}
+
+#[test]
+fn the_others_are_held_against_the_run_with_the_star_also_a_reference() {
+    let mut harness = comparing();
+    // The first run beside the preset's own cannot grow without bound: its uniform volume.
+    assert_eq!(lab(&harness).curves()[1].name, "uniform volume of A");
+    click(&mut harness, "Add propagator or reference");
+    choose(&mut harness, "Propagator C scheme", "What truly arrives");
+    click(&mut harness, "Run again");
+    click(&mut harness, "Star C");
+    let [own, uniform, arrived, own_less, uniform_less] = std::array::from_fn(|pane| red(lab(&harness), pane, [4, 5]));
+    assert!((own_less - (own - arrived)).abs() < 1e-6 && (uniform_less - (uniform - arrived)).abs() < 1e-6);
+    click(&mut harness, "Remove propagator C");
+    click(&mut harness, "Run again");
+    let [own, uniform, difference] = std::array::from_fn(|pane| red(lab(&harness), pane, [4, 5]));
+    assert_eq!(difference, uniform - own);
+}
+
+#[test]
+fn runs_are_ranked_beside_their_curves_by_what_is_drawn() {
+    let mut harness = comparing();
+    choose(&mut harness, "Propagator B scheme", "axial");
+    click(&mut harness, "Run again");
+    choose(&mut harness, "Error metric", "ballistic");
+    let l1 = |run: &lpv_lab::app::Curves| run.last(Expectation::Ballistic, None, 5).expect("an error").l1_ratio;
+    let mut runs = lab(&harness).curves();
+    runs.sort_by(|a, b| l1(a).total_cmp(&l1(b)));
+    assert_eq!(runs.len(), 2);
+    for (place, run) in runs.iter().enumerate() {
+        harness.get_by_label(&format!("Rank {}: {}", place + 1, run.name));
     }
 }

@@ -12,18 +12,24 @@ pub type Window = Harness<'static, Option<Lab>>;
 
 /// A window on a preset, with its injected light on screen.
 pub fn window(preset: &str) -> Window {
-    start(preset, Settings::default(), None)
+    // Edits wait until they are run, so that what is stale can be looked at.
+    window_sized(preset, [1280.0, 720.0])
+}
+
+/// The same, so many points large.
+pub fn window_sized(preset: &str, size: [f32; 2]) -> Window {
+    start(preset, Settings { rerun: Some(false), ..Settings::default() }, None, size)
 }
 
 /// The same, with settings and unsaved work kept in `folder`.
 pub fn window_in(folder: &Path, preset: &str) -> Window {
     let (home, settings) = Home::open(folder);
-    start(preset, settings, Some(home))
+    start(preset, settings, Some(home), [1280.0, 720.0])
 }
 
-fn start(preset: &str, settings: Settings, mut home: Option<Home>) -> Window {
+fn start(preset: &str, settings: Settings, mut home: Option<Home>, size: [f32; 2]) -> Window {
     let preset = Preset::parse(preset, Path::new("test")).unwrap();
-    let mut harness = Harness::builder().with_size([1280.0, 720.0]).with_max_steps(60).build_ui_state(
+    let mut harness = Harness::builder().with_size(size).with_max_steps(60).build_ui_state(
         move |ui, lab: &mut Option<Lab>| {
             let lab = lab.get_or_insert_with(|| {
                 let mut lab = Lab::new(ui.ctx(), preset.clone(), None, settings.clone()).expect("a thread");

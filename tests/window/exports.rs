@@ -95,3 +95,29 @@ fn numbers_and_pictures_are_copied_by_key() {
     }
     harness.get_by_label_contains("on the clipboard");
 }
+
+#[test]
+fn a_run_is_saved_as_an_animation_and_as_numbered_pictures() {
+    use image::AnimationDecoder;
+
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = window(SMALL);
+    click(&mut harness, "Run all");
+    set_number(&mut harness, "Iteration shown", 3.0);
+    let path = folder.path().join("run.png");
+    export_as(&mut harness, "Run as animation…", &[], &path);
+    let file = std::io::BufReader::new(std::fs::File::open(&path).unwrap());
+    let decoder = image::codecs::png::PngDecoder::new(file).unwrap();
+    let frames = decoder.apng().unwrap().into_frames().collect_frames().unwrap();
+    assert_eq!(frames.len(), 6);
+    // Light moves from picture to picture.
+    assert!(frames.windows(2).all(|pair| pair[0].buffer() != pair[1].buffer()));
+    // What was seen is seen again.
+    assert_eq!(lab(&harness).seen(), 3);
+
+    export_as(&mut harness, "Run as numbered pictures…", &[], &folder.path().join("each.png"));
+    for k in 0..=5 {
+        let picture = image::open(folder.path().join(format!("each-000{k}.png"))).unwrap().to_rgba8();
+        assert_eq!(picture.dimensions(), frames[k].buffer().dimensions());
+    }
+}

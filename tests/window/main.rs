@@ -2,10 +2,14 @@
 #![cfg(feature = "app")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod branches;
+mod canvas;
 mod compare;
 mod driver;
 mod drops;
 mod exports;
+mod fields;
+mod palette;
 mod plots;
 mod recovery;
 mod settings;

@@ -169,12 +169,12 @@ fn the_legend_switches_curves() {
     let mut harness = window(SMALL);
     click(&mut harness, "Run all");
     let drawn = |harness: &Window| {
-        let entries = harness.get_all_by_role_and_label(egui::accesskit::Role::CheckBox, "maximum");
+        let entries = harness.get_all_by_role_and_label(egui::accesskit::Role::CheckBox, "largest");
         entries.map(|entry| entry.accesskit_node().toggled()).collect::<Vec<_>>()
     };
     let (on, off) = (Some(egui::accesskit::Toggled::True), Some(egui::accesskit::Toggled::False));
     assert_eq!(drawn(&harness), [on, on]);
-    harness.get_all_by_role_and_label(egui::accesskit::Role::CheckBox, "maximum").next().unwrap().click();
+    harness.get_all_by_role_and_label(egui::accesskit::Role::CheckBox, "largest").next().unwrap().click();
     settle(&mut harness);
     assert_eq!(drawn(&harness), [off, on]);
 }

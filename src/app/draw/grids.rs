@@ -4,12 +4,15 @@ use std::sync::Arc;
 
 use egui::{Align2, Color32, FontId, Mesh, Pos2, Rect, Response, Sense, Shape, TextureHandle, Ui, Vec2, pos2, vec2};
 
-use crate::app::draw::glyphs::{Placing, Scale, Scales, meshes};
+use crate::app::draw::borders;
+use crate::app::draw::glyphs::meshes;
 use crate::app::draw::ink::color;
+use crate::app::draw::placing::{Placing, Style};
+use crate::app::draw::scales::{Scale, Scales};
 use crate::app::draw::sprites;
 use crate::app::session::view::View;
 use crate::app::worker::look::Shown;
-use crate::report::colour::Theme;
+use crate::report::colour::{Paint, Theme};
 use crate::report::slice::{Axis, Slice};
 
 /// The farthest zoom, in finest cells that fill a view.
@@ -39,6 +42,7 @@ struct Key {
     slice: Arc<Slice>,
     view: View,
     scale: Scale,
+    paint: Paint,
     placing: Placing,
     dark: bool,
 }
@@ -48,6 +52,7 @@ impl PartialEq for Key {
         Arc::ptr_eq(&self.slice, &other.slice)
             && self.view == other.view
             && self.scale == other.scale
+            && self.paint == other.paint
             && self.placing == other.placing
             && self.dark == other.dark
     }
@@ -62,8 +67,12 @@ pub struct Manner<'a> {
     pub theme: &'a Theme,
     /// Theirs.
     pub scales: &'a Scales,
+    /// What glyphs' colours tell.
+    pub paint: Paint,
     /// Rectangles to frame.
     pub marks: &'a [Mark],
+    /// What stands between neighbouring views in a row, from the left.
+    pub between: &'a [&'a str],
 }
 
 /// What the pointer does in a view.
@@ -84,6 +93,8 @@ pub struct Pointed {
 pub struct Grids {
     cameras: Vec<Camera>,
     drawn: Vec<Option<(Key, [Arc<Mesh>; 2])>>,
+    /// Where the views were drawn last.
+    placings: Vec<Placing>,
     /// The shapes of small glyphs, once there is something to draw.
     sprites: Option<TextureHandle>,
 }
@@ -92,6 +103,11 @@ impl Grids {
     /// Shows every slice whole again.
     pub fn whole(&mut self) {
         self.cameras.fill(Camera::default());
+    }
+
+    /// Where the views were drawn last, from the left.
+    pub fn placings(&self) -> &[Placing] {
+        &self.placings
     }
 
     /// Forgets what was drawn.
@@ -105,6 +121,7 @@ impl Grids {
         ui.allocate_rect(room, Sense::hover());
         self.cameras.resize(shown.len(), Camera::default());
         self.drawn.resize(shown.len(), None);
+        self.placings.clear();
         let gap = 10.0;
         let (columns, side) = arrange(room.size(), shown.len(), gap);
         let rows = shown.len().div_ceil(columns.max(1));
@@ -119,6 +136,11 @@ impl Grids {
             let at = corner + vec2((i % columns) as f32, (i / columns) as f32) * (block + Vec2::splat(gap));
             let rect = Rect::from_min_size((at + vec2(MARGIN, TITLE)).round(), Vec2::splat(side.floor()));
             pointed = self.pane(ui, i, rect, shown, &titles[i], manner).or(pointed);
+            if let (Some(sign), false) = (manner.between.get(i), (i + 1) % columns == 0) {
+                let at = rect.right_center() + vec2((gap + MARGIN) / 2.0, -12.0);
+                let font = FontId::proportional(15.0);
+                ui.painter().text(at, Align2::CENTER_CENTER, *sign, font, color(manner.theme.muted));
+            }
         }
         pointed
     }
@@ -132,7 +154,7 @@ impl Grids {
         title: &str,
         manner: &Manner,
     ) -> Option<Pointed> {
-        let Manner { view, theme, scales, marks } = *manner;
+        let Manner { view, theme, scales, paint, marks, .. } = *manner;
         let scale = scales.scale(shown);
         let response = ui.interact(rect, ui.scope_id().with(("view", i)), Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("View: {title}")));
@@ -142,19 +164,21 @@ impl Grids {
         let whole = cell * shown.slice.side as f32;
         let origin = rect.center() + vec2(-camera.centre.x, camera.centre.y) * whole;
         let placing = Placing { clip: rect, origin, cell, density: ui.pixels_per_point() };
-        let key = Key { slice: Arc::clone(&shown.slice), view: view.clone(), scale: *scale, placing, dark: theme.dark };
+        let key = Key { slice: Arc::clone(&shown.slice), view: view.clone(), scale, paint, placing, dark: theme.dark };
         let sprites = self.sprites.get_or_insert_with(|| sprites::texture(ui.ctx())).id();
         let meshes = match &self.drawn[i] {
             Some((known, meshes)) if *known == key => meshes.clone(),
             _ => {
-                let meshes = meshes(shown, view, scale, theme, &placing, sprites);
+                let meshes = meshes(shown, &Style { view, paint, scale, theme, sprites }, &placing);
                 self.drawn[i] = Some((key, meshes.clone()));
                 meshes
             }
         };
+        self.placings.push(placing);
         let painter = ui.painter_at(rect.expand(1.0));
         painter.rect_filled(rect, 0.0, color(theme.ground));
         painter.extend(meshes.map(Shape::mesh));
+        borders::number(&painter, shown, &placing, theme);
         for mark in marks.iter().filter(|mark| mark.pane.is_none_or(|pane| pane == i)) {
             let low = placing.at(mark.column as f32, mark.row as f32);
             let high = placing.at((mark.column + mark.size[0]) as f32, (mark.row + mark.size[1]) as f32);

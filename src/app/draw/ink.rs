@@ -39,6 +39,14 @@ impl Ink {
         self.mesh.indices.extend([a, b, c, a, c, d]);
     }
 
+    /// A filled convex polygon; nothing where it has no area.
+    pub fn fan(&mut self, corners: &[Pos2], color: Color32) {
+        let [first, .., _] = corners else { return };
+        let first = self.vertex(*first, color);
+        let rest: Vec<u32> = corners[1..].iter().map(|corner| self.vertex(*corner, color)).collect();
+        self.mesh.indices.extend(rest.windows(2).flat_map(|pair| [first, pair[0], pair[1]]));
+    }
+
     /// The frame of a rectangle, `width` points thick, inside it.
     pub fn frame(&mut self, rect: Rect, width: f32, color: Color32) {
         let Rect { min, max } = rect;

@@ -7,7 +7,7 @@ use glam::{Mat3, Vec3, vec3};
 
 use crate::app::draw::ink::{Ink, color};
 use crate::app::session::view::{Scaling, View};
-use crate::app::worker::look::{Cloud, CloudCell};
+use crate::app::worker::look::{Cloud, CloudCell, Pin};
 use crate::report::colour::{Paint, Rgb, Theme};
 use crate::report::glyph::{GlyphScale, Glyphs, Outline, peak};
 use crate::report::slice::{Axis, Plane};
@@ -37,8 +37,36 @@ impl Default for Eye {
     }
 }
 
+impl Eye {
+    /// Turns, moves and zooms as the pointer asks over a view in `rect`.
+    pub fn steer(&mut self, ui: &Ui, rect: Rect, response: &egui::Response) {
+        let eye = self;
+        if response.dragged_by(egui::PointerButton::Primary) && !ui.input(|input| input.modifiers.shift) {
+            let drag = response.drag_delta() * 0.01;
+            eye.yaw += drag.x;
+            eye.pitch = (eye.pitch + drag.y).clamp(-1.55, 1.55);
+        } else if response.dragged() {
+            eye.pan += response.drag_delta() / rect.width().min(rect.height());
+        }
+        if response.hovered() {
+            let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+            eye.zoom = (eye.zoom * pinch * (scroll * 0.004).exp()).clamp(0.3, 20.0);
+        }
+        if response.double_clicked() {
+            *eye = Eye::default();
+        }
+    }
+
+    /// A move on screen of a place in the volume, in finest cells: in the plane across the view through that place.
+    pub fn drag(&self, projection: &Projection, at: Vec3, moved: Vec2) -> Vec3 {
+        let (_, nearness) = projection.screen(projection.seen(at));
+        let seen = vec3(moved.x, -moved.y, 0.0) / (projection.scale * nearness);
+        projection.turn.transpose() * seen * projection.side
+    }
+}
+
 /// How places in the volume come on screen.
-struct Projection {
+pub struct Projection {
     turn: Mat3,
     centre: Pos2,
     scale: f32,
@@ -46,7 +74,8 @@ struct Projection {
 }
 
 impl Projection {
-    fn new(eye: &Eye, rect: Rect, side: usize) -> Self {
+    /// Of a volume of so many finest cells along a side, in `rect`.
+    pub fn new(eye: &Eye, rect: Rect, side: usize) -> Self {
         // y is up in the volume; the eye looks along −z of its own frame.
         let turn = Mat3::from_rotation_x(eye.pitch) * Mat3::from_rotation_y(eye.yaw);
         let extent = rect.width().min(rect.height());
@@ -54,17 +83,24 @@ impl Projection {
     }
 
     /// A place in finest cells, in the eye's frame: the volume's middle at 0, its side 1, z towards the eye.
-    fn seen(&self, at: Vec3) -> Vec3 {
+    pub fn seen(&self, at: Vec3) -> Vec3 {
         self.turn * ((at - Vec3::splat(self.side / 2.0)) / self.side)
     }
 
     /// A place in the eye's frame, on screen, with how much larger than in the middle things are there.
-    fn screen(&self, seen: Vec3) -> (Pos2, f32) {
+    pub fn screen(&self, seen: Vec3) -> (Pos2, f32) {
         let nearness = DISTANCE / (DISTANCE - seen.z).max(0.1);
         (self.centre + vec2(seen.x, -seen.y) * self.scale * nearness, nearness)
     }
 
-    fn at(&self, at: Vec3) -> Pos2 {
+    /// How much a surface at a place, in finest cells, faces the eye: the cosine of the angle to its normal.
+    pub fn facing(&self, at: Vec3, normal: Vec3) -> f32 {
+        let to_eye = vec3(0.0, 0.0, DISTANCE) - self.seen(at);
+        (self.turn * normal).dot(to_eye.normalize_or_zero())
+    }
+
+    /// A place in finest cells, on screen.
+    pub fn at(&self, at: Vec3) -> Pos2 {
         self.screen(self.seen(at)).0
     }
 }
@@ -100,11 +136,20 @@ impl PartialEq for Key {
 
 impl Space {
     /// Draws the cloud in all the room there is, with `lobes` in place of cubes.
-    pub fn ui(&mut self, ui: &mut Ui, cloud: &Arc<Cloud>, lobes: bool, view: &View, theme: &Theme) {
+    /// The cell that was clicked, if one was.
+    pub fn ui(
+        &mut self,
+        ui: &mut Ui,
+        cloud: &Arc<Cloud>,
+        lobes: bool,
+        view: &View,
+        marks: &Marks,
+        theme: &Theme,
+    ) -> Option<Pin> {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "View: the light in space"));
-        self.steer(ui, rect, &response);
+        self.eye.steer(ui, rect, &response);
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 0.0, color(theme.ground));
         let key = Key { cloud: Arc::clone(cloud), eye: self.eye, lobes, rect, view: view.clone(), dark: theme.dark };
@@ -118,25 +163,50 @@ impl Space {
             painter.add(Shape::mesh(Arc::clone(mesh)));
         }
         frame(&painter, &projection, view.plane(), theme, true);
+        marks.draw(&painter, &projection, theme);
+        let clicked = response.interact_pointer_pos().filter(|_| response.clicked())?;
+        picked(cloud, &projection, clicked)
     }
+}
 
-    fn steer(&mut self, ui: &Ui, rect: Rect, response: &egui::Response) {
-        let eye = &mut self.eye;
-        if response.dragged_by(egui::PointerButton::Primary) && !ui.input(|input| input.modifiers.shift) {
-            let drag = response.drag_delta() * 0.01;
-            eye.yaw += drag.x;
-            eye.pitch = (eye.pitch + drag.y).clamp(-1.55, 1.55);
-        } else if response.dragged() {
-            eye.pan += response.drag_delta() / rect.width().min(rect.height());
+/// What is marked in space.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Marks {
+    /// The cell that is kept in sight.
+    pub pin: Option<Pin>,
+    /// The ends of the line of cells whose light is plotted, in finest cells.
+    pub line: Option<[[f32; 3]; 2]>,
+}
+
+impl Marks {
+    fn draw(&self, painter: &egui::Painter, projection: &Projection, theme: &Theme) {
+        if let Some([from, to]) = self.line {
+            let line = [from, to].map(|end| projection.at(Vec3::from(end)));
+            painter.line_segment(line, (1.8, color(theme.curve(1))));
         }
-        if response.hovered() {
-            let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
-            eye.zoom = (eye.zoom * pinch * (scroll * 0.004).exp()).clamp(0.3, 20.0);
-        }
-        if response.double_clicked() {
-            *eye = Eye::default();
+        let Some(Pin { level, cell }) = self.pin else { return };
+        let span = (1 << level) as f32;
+        let low = Vec3::from(cell.map(|c| c as f32)) * span;
+        let corner = |i: usize| low + vec3((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2 & 1) as f32) * span;
+        for from in 0..8usize {
+            for to in [1, 2, 4].map(|bit| from ^ bit).into_iter().filter(|to| from < *to) {
+                let edge = [projection.at(corner(from)), projection.at(corner(to))];
+                painter.line_segment(edge, (1.6, color(theme.negative)));
+            }
         }
     }
+}
+
+/// The nearest cell that is drawn at a place on screen.
+fn picked(cloud: &Cloud, projection: &Projection, at: Pos2) -> Option<Pin> {
+    let here = cloud.cells.iter().filter_map(|cell| {
+        let seen = projection.seen(Vec3::from(cell.centre));
+        let (centre, nearness) = projection.screen(seen);
+        // A cube seen from a corner is wider than its side.
+        let reach = 0.6 * cell.span / projection.side * projection.scale * nearness;
+        (centre.distance(at) <= reach.max(3.0)).then_some((seen.z, cell.pin))
+    });
+    here.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, pin)| pin)
 }
 
 /// Something that hides what is behind it.
@@ -172,7 +242,7 @@ fn draw(key: &Key, theme: &Theme) -> Mesh {
         let cell = match solid {
             Solid::Lit(cell) => cell,
             Solid::Occupied(centre) => {
-                cube(&mut ink, &projection, centre, 1.0, theme.muted, theme);
+                cube(&mut ink, &projection, centre, key.cloud.occupied_span, theme.muted, theme);
                 continue;
             }
         };
@@ -279,5 +349,20 @@ mod tests {
         let (_, near) = projection.screen(projection.seen(vec3(4.0, 4.0, 8.0)));
         let (_, far) = projection.screen(projection.seen(vec3(4.0, 4.0, 0.0)));
         assert!(near > 1.0 && far < 1.0);
+    }
+
+    #[test]
+    fn the_nearest_cell_under_the_pointer_is_picked() {
+        let cell = |z: f32, x: usize| CloudCell {
+            centre: [4.0, 4.0, z],
+            span: 1.0,
+            light: [Sh::ZERO; 3],
+            pin: Pin { level: 0, cell: [x, 4, 4] },
+        };
+        let cloud = Cloud { side: 8, cells: vec![cell(1.5, 1), cell(6.5, 6)], ..Cloud::default() };
+        let rect = Rect::from_min_size(Pos2::ZERO, Vec2::splat(400.0));
+        let projection = Projection::new(&Eye { yaw: 0.0, pitch: 0.0, ..Eye::default() }, rect, 8);
+        assert_eq!(picked(&cloud, &projection, rect.center()), Some(Pin { level: 0, cell: [6, 4, 4] }));
+        assert_eq!(picked(&cloud, &projection, rect.left_top()), None);
     }
 }

@@ -1,6 +1,6 @@
 //! The window's colours: egui's own themes, with grounds and texts that agree with the plots and pictures.
 
-use egui::{Context, Stroke, TextStyle};
+use egui::{Color32, Context, Stroke, TextStyle};
 
 use crate::app::draw::ink::color;
 use crate::report::colour::Theme;
@@ -21,6 +21,11 @@ pub fn apply(ctx: &Context) {
             visuals.widgets.noninteractive.fg_stroke =
                 Stroke::new(1.0, color(theme.ink).lerp_to_gamma(color(theme.muted), 0.5));
             visuals.weak_text_color = Some(color(theme.muted));
+            if egui_theme == egui::Theme::Light {
+                // egui's own orange and red are too faint on its light panels.
+                visuals.warn_fg_color = Color32::from_rgb(0x9a, 0x48, 0x00);
+                visuals.error_fg_color = Color32::from_rgb(0xb0, 0x00, 0x20);
+            }
         });
     }
 }
@@ -28,4 +33,38 @@ pub fn apply(ctx: &Context) {
 /// The report's colours for the window's theme.
 pub fn theme(ctx: &Context) -> Theme {
     if ctx.global_style().visuals.dark_mode { Theme::DARK } else { Theme::LIGHT }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Relative luminance, WCAG 2.2.
+    fn luminance(color: Color32) -> f64 {
+        let linear = |c: u8| {
+            let c = f64::from(c) / 255.0;
+            if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+        };
+        0.2126 * linear(color.r()) + 0.7152 * linear(color.g()) + 0.0722 * linear(color.b())
+    }
+
+    fn contrast(a: Color32, b: Color32) -> f64 {
+        let (a, b) = (luminance(a), luminance(b));
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    #[test]
+    fn warnings_and_small_text_can_be_read_in_both_themes() {
+        let ctx = Context::default();
+        apply(&ctx);
+        for theme in [egui::Theme::Light, egui::Theme::Dark] {
+            let visuals = &ctx.style_of(theme).visuals;
+            let weak = visuals.weak_text_color.unwrap();
+            for ink in [visuals.warn_fg_color, visuals.error_fg_color, weak] {
+                for ground in [visuals.panel_fill, visuals.window_fill, visuals.extreme_bg_color] {
+                    assert!(contrast(ink, ground) >= 4.5, "{theme:?}: {ink:?} on {ground:?}");
+                }
+            }
+        }
+    }
 }

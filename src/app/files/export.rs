@@ -3,18 +3,17 @@
 use std::error::Error;
 use std::path::Path;
 
-use crate::app::draw::glyphs::Scales;
+use crate::app::draw::scales::Scales;
 use crate::app::session::Session;
 use crate::app::session::command::Command;
 use crate::app::session::curves::Curves;
 use crate::app::session::format::Format;
 use crate::app::session::pareto;
 use crate::app::session::plots::{Plots, Tab};
-use crate::app::session::settings::Settings;
 use crate::app::session::view::{Heat, View};
 use crate::app::worker::look::Shown;
-use crate::report::error_figure::{ErrorFigure, Measure, Series};
 
+use crate::report::error_figure::{ErrorFigure, Measure, Series};
 use crate::report::picture::{Panel, Picture};
 use crate::report::plot::Figure;
 use crate::report::slice::Axis;
@@ -48,10 +47,10 @@ fn csv(runs: &[&Curves]) -> Result<String, Box<dyn Error>> {
 }
 
 /// The error plots as a figure for a paper: the curves that are on screen.
-fn figure(title: &str, plots: &Plots, runs: &[&Curves], seen: usize) -> Figure {
-    let level = plots.level();
+fn figure(title: &str, plots: &Plots, runs: &[&Curves], seen: usize, format: &Format) -> Figure {
+    let (expectation, level) = (plots.metric, plots.level());
     let series = runs.iter().map(|run| {
-        let rows = run.rows.iter().filter(|row| row.expectation == plots.metric && row.level == level);
+        let rows = run.rows.iter().filter(|row| row.expectation == expectation && row.level == level);
         Series { name: run.name.clone(), rows: rows.copied().collect(), color: run.color }
     });
     let measures: Vec<Measure> = plots.measures().collect();
@@ -63,8 +62,8 @@ fn figure(title: &str, plots: &Plots, runs: &[&Curves], seen: usize) -> Figure {
         largest: plots.maximum,
         log: plots.log,
         current: Some(seen),
-        theme: plots.format.theme(),
-        size: plots.format.figure(measures.len()),
+        theme: format.theme(),
+        size: format.figure(measures.len()),
     };
     figure.figure()
 }
@@ -82,7 +81,7 @@ fn slices(title: &str, view: &View, shown: &[Shown], titles: &[String], format: 
         subtitle: &subtitle,
         panels,
         hue: view.hue,
-        paint: view.paint,
+        paint: scales.paint(view),
         heat: view.heat == Heat::Mean,
         theme: format.theme(),
         width: format.width(),
@@ -96,16 +95,23 @@ pub fn save(session: &Session, command: Command, path: &Path) -> Result<(), Box<
 }
 
 fn exported(session: &Session, command: Command, path: &Path) -> Result<Vec<u8>, Box<dyn Error>> {
-    let svg = match command {
-        Command::ExportCsv => return Ok(numbers(session)?.into_bytes()),
-        Command::ExportGrids => grids_picture(session),
-        _ => plots_picture(session)?,
-    };
+    if command == Command::ExportCsv {
+        return Ok(numbers(session)?.into_bytes());
+    }
+    let svg = picture(session, command, &session.settings.plots.format)?;
     let png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
     if !png {
         return Ok(svg.into_bytes());
     }
     Ok(raster::png_at(&svg, session.settings.plots.format.pixels_each())?)
+}
+
+/// The picture that an export command makes, as SVG; of an animation the picture that is seen.
+pub fn picture(session: &Session, command: Command, format: &Format) -> Result<String, Box<dyn Error>> {
+    match command {
+        Command::ExportSvg | Command::ExportPng => plots_picture(session, format),
+        _ => Ok(grids_picture(session, format)),
+    }
 }
 
 /// Puts the plots' numbers, or a picture, on the clipboard; says what was done.
@@ -116,11 +122,11 @@ pub fn copy(session: &Session, command: Command, ctx: &egui::Context) -> Result<
             Ok("The plots' numbers are on the clipboard, as CSV")
         }
         Command::CopyGrids => {
-            copy_picture(session, &grids_picture(session), ctx)?;
+            copy_picture(session, &grids_picture(session, &session.settings.plots.format), ctx)?;
             Ok("The slices are on the clipboard, as a picture")
         }
         _ => {
-            copy_picture(session, &plots_picture(session)?, ctx)?;
+            copy_picture(session, &plots_picture(session, &session.settings.plots.format)?, ctx)?;
             Ok("The plots are on the clipboard, as a picture")
         }
     }
@@ -148,21 +154,20 @@ fn numbers(session: &Session) -> Result<String, Box<dyn Error>> {
 }
 
 /// The plots as SVG.
-fn plots_picture(session: &Session) -> Result<String, Box<dyn Error>> {
+fn plots_picture(session: &Session, format: &Format) -> Result<String, Box<dyn Error>> {
     let (title, plots) = (session.document.name(), &session.settings.plots);
     let figure = match plots.tab {
-        Tab::Errors => figure(&title, plots, &session.run.all_curves(), session.seen()),
-        Tab::Line => session.course().ok_or(NO_LINE)?.figure(&title, plots.line.log, &plots.format),
+        Tab::Errors => figure(&title, plots, &session.run.all_curves(), session.seen(), format),
+        Tab::Line => session.course().ok_or(NO_LINE)?.figure(&title, plots.line.log, format),
         Tab::Pareto => {
             let rows = pareto::against(session.pareto_rows(), plots.pareto);
-            pareto_figure::figure(&title, &rows, plots.format.theme(), |drawn| plots.format.figure(drawn))
+            pareto_figure::figure(&title, &rows, format.theme(), |count| format.figure(count))
         }
     };
-    Ok(figure.to_svg_set(plots.format.text()))
+    Ok(figure.to_svg_set(format.text()))
 }
 
 /// The slices as SVG.
-fn grids_picture(session: &Session) -> String {
-    let Settings { view, plots, .. } = &session.settings;
-    slices(&session.document.name(), view, &session.sight.shown, &session.titles(), &plots.format)
+pub fn grids_picture(session: &Session, format: &Format) -> String {
+    slices(&session.document.name(), &session.settings.view, &session.sight.shown, &session.titles(), format)
 }

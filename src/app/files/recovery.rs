@@ -80,6 +80,9 @@ pub struct Recovery {
     due: f64,
     /// What other windows left, the latest first.
     found: Vec<Found>,
+    /// Why unsaved work could not be kept, until it is told; told once.
+    complaint: Option<String>,
+    told: bool,
 }
 
 impl Recovery {
@@ -101,7 +104,10 @@ impl Recovery {
         }
         found.sort_by_key(|found| std::cmp::Reverse(found.written));
         let folder = folder.to_path_buf();
-        (Recovery { folder, slot: None, kept: None, writing: None, due: 0.0, found }, complaints)
+        (
+            Recovery { folder, slot: None, kept: None, writing: None, due: 0.0, found, complaint: None, told: false },
+            complaints,
+        )
     }
 
     /// Keeps what is not saved at `time`, in seconds; gives up what is. The seconds after which it wants to be called
@@ -120,7 +126,7 @@ impl Recovery {
         self.due = time + PAUSE;
         self.finish();
         if let Err(error) = self.write(document) {
-            log::warn!("unsaved work is not kept in {}: {error}", self.folder.display());
+            self.complain(format!("unsaved work is not kept in {}: {error}", self.folder.display()));
             return Some(PAUSE);
         }
         None
@@ -145,11 +151,22 @@ impl Recovery {
         match self.writing.take().map(JoinHandle::join) {
             Some(Ok(Err(error))) => {
                 self.kept = None;
-                log::warn!("{error}");
+                self.complain(format!("unsaved work is not kept: {error}"));
             }
             Some(Err(_)) => self.kept = None,
             Some(Ok(Ok(()))) | None => {}
         }
+    }
+
+    fn complain(&mut self, line: String) {
+        if !std::mem::replace(&mut self.told, true) {
+            self.complaint = Some(line);
+        }
+    }
+
+    /// Why unsaved work could not be kept, the first time that it could not.
+    pub fn complaint(&mut self) -> Option<String> {
+        self.complaint.take()
     }
 
     /// Removes what was kept of this window's work.

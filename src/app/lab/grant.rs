@@ -7,10 +7,12 @@ use egui::{Context, ViewportCommand};
 use super::Lab;
 use crate::app::files::export;
 use crate::app::files::recovery::Recovery;
+use crate::app::panels::palette::Palette;
 use crate::app::panels::question::Answer;
 use crate::app::session::ask::{Ask, Asks, Next};
 use crate::app::session::command::Command;
 use crate::app::session::purpose::Purpose;
+use crate::app::session::view::Workspace;
 
 impl Lab {
     /// Grants all that was asked for, in order.
@@ -34,16 +36,19 @@ impl Lab {
             Ask::Plots(plots) => session.settings.plots = *plots,
             Ask::Comparison(comparison) => session.comparison = comparison,
             Ask::Kept(kept) => session.run.kept = kept,
-            Ask::Rerun(rerun) => session.settings.rerun = rerun,
+            Ask::Rerun(rerun) => session.settings.rerun = Some(rerun),
             Ask::Pace(pace) => session.settings.pace = pace,
             Ask::Past(mib) => session.set_past(mib),
             Ask::Scrub(k) => session.scrub(k),
             Ask::Pin(pin) => session.set_pin(pin),
+            Ask::Select(item) => session.selected = item,
             Ask::Place(injector) => session.placing = injector,
             Ask::Choose(purpose) => self.dialog.ask(purpose, None),
             Ask::Leave(next) => self.ask_to_lose(next, ctx),
             Ask::Say(text) => session.say(text),
+            Ask::Port(port) => session.port = *port,
             Ask::Dismiss => session.notice = None,
+            Ask::DismissGuide => session.guide = None,
             Ask::SeekTruth(true) => session.asides.truth.try_again(),
             Ask::SeekTruth(false) => session.asides.truth.give_up(),
             Ask::CancelMeasurement => session.asides.cancel_measurement(),
@@ -63,9 +68,12 @@ impl Lab {
             Command::Save | Command::SaveAs => self.dialog.ask(Purpose::SaveAs, path),
             Command::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
             Command::WholeSlice => self.workspaces.light.whole(),
-            Command::ExportCsv | Command::ExportSvg | Command::ExportPng | Command::ExportGrids => {
-                self.dialog.ask(Purpose::Export(command), path);
-            }
+            Command::ExportCsv
+            | Command::ExportSvg
+            | Command::ExportPng
+            | Command::ExportGrids
+            | Command::ExportFilm
+            | Command::ExportFrames => self.dialog.ask(Purpose::Export(command), path),
             Command::CopyCurves | Command::CopyPlots | Command::CopyGrids => {
                 match export::copy(&self.session, command, ctx) {
                     Ok(done) => self.session.say(done.to_owned()),
@@ -73,6 +81,8 @@ impl Lab {
                 }
             }
             Command::Keys => self.keys_open = !self.keys_open,
+            Command::Palette => self.palette = Some(Palette::default()),
+            Command::Gallery => self.gallery.open = true,
             _ => log::warn!("nothing does {command:?}"),
         }
     }
@@ -82,25 +92,34 @@ impl Lab {
         match purpose {
             Purpose::Open => self.ask_to_lose(Next::Open(path.to_path_buf()), ctx),
             Purpose::SaveAs => self.session.save(Some(path.to_path_buf())),
+            Purpose::Export(command @ (Command::ExportFilm | Command::ExportFrames)) => {
+                self.film.begin(&mut self.session, command, path);
+            }
             Purpose::Export(command) => match export::save(&self.session, command, path) {
                 Ok(()) => self.session.say(format!("Saved {}", path.display())),
                 Err(error) => self.session.fail(error.to_string()),
             },
             Purpose::Injector(i) => self.session.injector_file(i, path),
             Purpose::Occluder(i) => self.session.occluder_file(i, path),
+            Purpose::Dump => self.session.add_dump(path),
+            Purpose::Mesh => self.session.mesh_file(path),
         }
     }
 
-    /// Takes what was dropped onto the window: a preset is opened, a file of cells becomes an injector.
+    /// Takes what was dropped onto the window: a preset is opened, a file of cells becomes an injector, a mesh the scene's.
     pub(super) fn drop_files(&mut self, ctx: &Context) {
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
         for file in dropped {
             let path = file.path();
             match path.extension().and_then(|ending| ending.to_str()) {
                 Some("ron") => self.ask_to_lose(Next::Open(path.to_path_buf()), ctx),
+                Some("csv" | "npy") if self.session.settings.workspace == Workspace::Study => {
+                    self.session.add_dump(path)
+                }
                 Some("csv" | "npy") => self.session.injector_file(self.session.document.preset.injectors.len(), path),
+                Some("obj" | "gltf" | "glb") => self.session.mesh_file(path),
                 _ => {
-                    let right = "drop a preset (.ron) or a file of cells (.csv, .npy)";
+                    let right = "drop a preset (.ron), a file of cells (.csv, .npy) or a mesh (.obj, .gltf, .glb)";
                     self.session.fail(format!("{}: {right}", path.display()));
                 }
             }

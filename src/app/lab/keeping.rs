@@ -22,8 +22,10 @@ impl Lab {
     /// Writes the settings to where they are kept, if they are kept.
     pub fn keep_settings(&mut self) {
         let Some(home) = &mut self.home else { return };
-        if let Err(error) = home.save(&self.session.settings) {
-            log::warn!("{error}");
+        if let Err(error) = home.save(&self.session.settings)
+            && !std::mem::replace(&mut self.told_of_home, true)
+        {
+            self.session.fail(format!("settings are not kept: {error}"));
         }
     }
 
@@ -32,6 +34,9 @@ impl Lab {
         let Some(recovery) = self.recovery.as_mut().filter(|_| !self.discard) else { return };
         if let Some(wait) = recovery.keep(&self.session.document, now) {
             ctx.request_repaint_after_secs(wait as f32);
+        }
+        if let Some(line) = recovery.complaint() {
+            self.session.fail(line);
         }
     }
 

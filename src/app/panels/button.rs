@@ -21,6 +21,15 @@ pub fn named_button(ui: &mut Ui, session: &Session, command: Command, label: &st
     }
 }
 
+/// A small button for a command that folds a panel or opens it, with a triangle that shows which way.
+pub fn fold_button(ui: &mut Ui, triangle: &str, command: Command, asks: &mut Asks) {
+    let button = ui.small_button(triangle).on_hover_text(command.tooltip(ui.ctx()));
+    name(&button, command.name());
+    if button.clicked() {
+        asks.command(command);
+    }
+}
+
 /// A small button with a picture for a name; `name` is what it is called aloud and in its tooltip.
 pub fn small_button(ui: &mut Ui, picture: &str, name: &str) -> Response {
     ui.small_button(picture).on_hover_text(name).accessible_name(name)

@@ -2,7 +2,7 @@
 
 use egui::{DragValue, Ui};
 
-use crate::app::panels::field::name;
+use crate::app::panels::field::{self, name};
 use crate::app::session::format::{Format, SIDES, Size};
 
 /// The controls.
@@ -15,9 +15,9 @@ pub fn ui(ui: &mut Ui, format: &mut Format) {
         ui.horizontal(|ui| {
             ui.add_space(20.0);
             let [width, height] = &mut format.own;
-            name(&ui.add(DragValue::new(width).range(SIDES).suffix(" px")), "Export width");
+            name(&field::add(ui, DragValue::new(width).range(SIDES).suffix(" px")), "Export width");
             ui.label("×");
-            name(&ui.add(DragValue::new(height).range(SIDES).suffix(" px")), "Export height");
+            name(&field::add(ui, DragValue::new(height).range(SIDES).suffix(" px")), "Export height");
         });
     });
     ui.horizontal(|ui| {

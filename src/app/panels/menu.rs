@@ -8,6 +8,16 @@ use crate::app::session::ask::{Ask, Asks, Next};
 use crate::app::session::command::Command;
 use crate::scene::builtin;
 
+/// What can be taken home.
+pub const EXPORTS: [Command; 6] = [
+    Command::ExportCsv,
+    Command::ExportSvg,
+    Command::ExportPng,
+    Command::ExportGrids,
+    Command::ExportFilm,
+    Command::ExportFrames,
+];
+
 /// The menu bar.
 pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     MenuBar::new().ui(ui, |ui| {
@@ -19,12 +29,12 @@ pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
         });
         ui.menu_button("Run", |ui| run(ui, session, asks));
         ui.menu_button("View", |ui| view(ui, session, asks));
-        ui.menu_button("Help", |ui| items(ui, session, &[Command::Keys], asks));
+        ui.menu_button("Help", |ui| items(ui, session, &[Command::Palette, Command::Keys], asks));
     });
 }
 
 fn file(ui: &mut Ui, session: &Session, asks: &mut Asks) {
-    items(ui, session, &[Command::Open], asks);
+    items(ui, session, &[Command::Open, Command::Gallery], asks);
     ui.menu_button("Built-in presets", |ui| {
         for (name, _) in builtin::PRESETS {
             if ui.button(*name).clicked() {
@@ -45,7 +55,7 @@ fn file(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     ui.separator();
     items(ui, session, &[Command::Save, Command::SaveAs], asks);
     ui.separator();
-    items(ui, session, &[Command::ExportCsv, Command::ExportSvg, Command::ExportPng, Command::ExportGrids], asks);
+    items(ui, session, &EXPORTS, asks);
     ui.menu_button("Size and colours of exports", |ui| {
         let mut plots = session.settings.plots.clone();
         format::ui(ui, &mut plots.format);
@@ -60,7 +70,7 @@ fn run(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     items(ui, session, &steps, asks);
     ui.separator();
     items(ui, session, &[Command::RunAll, Command::Rerun, Command::Play, Command::Stop, Command::KeepRun], asks);
-    items(ui, session, &[Command::Measure], asks);
+    items(ui, session, &[Command::RunBefore, Command::RunAfter, Command::Measure], asks);
     ui.separator();
     rerun(ui, session, asks);
 }
@@ -69,7 +79,7 @@ fn view(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     let groups: [&[Command]; 5] = [
         &[Command::Grids, Command::Compare, Command::Space],
         &[Command::Errors, Command::Line, Command::RunTime],
-        &[Command::Merged, Command::Finer, Command::Coarser],
+        &[Command::Merged, Command::Finer, Command::Coarser, Command::NextPaint],
         &[Command::NextAxis, Command::SliceDown, Command::SliceUp, Command::WholeSlice],
         &[Command::First, Command::Back, Command::Forward, Command::Last, Command::Restart],
     ];
@@ -77,14 +87,17 @@ fn view(ui: &mut Ui, session: &Session, asks: &mut Asks) {
         items(ui, session, group, asks);
         ui.separator();
     }
+    items(ui, session, &[Command::FoldScene, Command::FoldPlots], asks);
+    ui.separator();
     egui::widgets::global_theme_preference_buttons(ui);
 }
 
 /// Whether edits run again by themselves.
 pub fn rerun(ui: &mut Ui, session: &Session, asks: &mut Asks) {
-    let mut rerun = session.settings.rerun;
-    ui.checkbox(&mut rerun, "Run again after every edit");
-    asks.changed(&session.settings.rerun, rerun, Ask::Rerun);
+    let mut rerun = session.reruns();
+    ui.checkbox(&mut rerun, "Run again after every edit")
+        .on_hover_text("By themselves, edits of volumes up to 64³ are run again");
+    asks.changed(&session.reruns(), rerun, Ask::Rerun);
 }
 
 /// Menu lines with their keys.

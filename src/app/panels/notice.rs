@@ -38,6 +38,22 @@ pub fn foot(ui: &mut Ui, session: &Session, asks: &mut Asks) {
         }
         state(ui, session);
         progress(ui, session, asks);
+        if !session.messages.is_empty() {
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| history(ui, session));
+        }
+    });
+}
+
+/// What was said so far, the latest first.
+fn history(ui: &mut Ui, session: &Session) {
+    ui.menu_button("Messages", |ui| {
+        ui.set_max_width(520.0);
+        egui::ScrollArea::vertical().max_height(280.0).show(ui, |ui| {
+            for notice in session.messages.iter().rev() {
+                let ink = if notice.error { ui.visuals().error_fg_color } else { ui.visuals().text_color() };
+                ui.add(Label::new(RichText::new(&notice.text).color(ink)).wrap());
+            }
+        });
     });
 }
 

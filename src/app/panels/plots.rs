@@ -5,21 +5,27 @@ mod errors;
 mod line;
 mod pareto;
 mod rows;
+mod table;
 
-use egui::Ui;
+use egui::{Panel, Ui};
 
 use self::rows::lasting_menu;
+use super::button::fold_button;
 use super::format;
-use super::menu::items;
+use super::menu::{EXPORTS, items};
 use crate::app::draw::style::theme;
 use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
 use crate::app::session::command::Command;
 use crate::app::session::plots::Tab;
 
+/// The width from which the runs are told in numbers beside their curves, in points.
+const WIDE: f32 = 640.0;
+
 /// The tabs, and what is chosen for the plot that is seen.
 pub fn bar(ui: &mut Ui, session: &Session, asks: &mut Asks) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
+        fold_button(ui, "⏷", Command::FoldPlots, asks);
         let tab = session.settings.plots.tab;
         for (command, of) in
             [(Command::Errors, Tab::Errors), (Command::Line, Tab::Line), (Command::RunTime, Tab::Pareto)]
@@ -41,21 +47,26 @@ pub fn bar(ui: &mut Ui, session: &Session, asks: &mut Asks) {
 }
 
 /// The plot that is seen, in all the room there is.
-pub fn ui(ui: &mut Ui, session: &Session) {
+pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     let theme = theme(ui.ctx());
     let plots = &session.settings.plots;
     match plots.tab {
         Tab::Errors => {
             let runs = session.run.all_curves();
+            if ui.available_width() > WIDE {
+                Panel::right("ranked").exact_size(300.0).resizable(false).show(ui, |ui| {
+                    table::ui(ui, session, &theme);
+                });
+            }
             curves::ui(ui, plots, &curves::Drawing { runs: &runs, theme: &theme, now: session.seen() });
         }
         Tab::Line => line::ui(ui, session, &theme),
-        Tab::Pareto => pareto::ui(ui, session, &theme),
+        Tab::Pareto => pareto::ui(ui, session, &theme, asks),
     }
 }
 
 fn export(ui: &mut Ui, session: &Session, asks: &mut Asks) {
-    items(ui, session, &[Command::ExportCsv, Command::ExportSvg, Command::ExportPng, Command::ExportGrids], asks);
+    items(ui, session, &EXPORTS, asks);
     ui.separator();
     items(ui, session, &[Command::CopyCurves, Command::CopyPlots, Command::CopyGrids], asks);
     ui.separator();

@@ -1,12 +1,12 @@
 //! What is compared: the bar over the views, and the list of propagators and references.
 
-use egui::{ComboBox, DragValue, RichText, Ui};
+use egui::{ComboBox, DragValue, Label, RichText, Ui};
 
 use super::button::small_button;
-use super::field::name;
+use super::field::{self, name};
 use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
-use crate::app::session::comparison::{MOST, Sides, letter};
+use crate::app::session::comparison::{Comparison, MOST, Sides, letter};
 use crate::app::worker::look::Light;
 use crate::app::worker::rival::{Rival, describe};
 use crate::scene::Propagation;
@@ -29,39 +29,56 @@ pub fn bar(ui: &mut Ui, session: &Session, asks: &mut Asks) {
             }
         });
         name(&combo.response, "Compared light");
-        ui.checkbox(&mut compare.difference, "Difference").on_hover_text("Views of the others minus the first");
+        ui.checkbox(&mut compare.difference, "Difference")
+            .on_hover_text("Views of the others minus the one with the star");
         if compare.sides == Sides::Iterations {
             ui.label("against");
             let field = DragValue::new(&mut compare.against).range(0..=latest).speed(0.1).prefix("k = ");
-            name(&ui.add(field), "Compared iteration");
+            name(&field::add(ui, field), "Compared iteration");
         }
     });
     asks.changed(&session.comparison, compare, Ask::Comparison);
 }
 
-/// The propagators and references beside the document's own, in the scene's panel.
+/// The list of runs: the document's own and what runs beside it, with a star on the one that the others are held
+/// against.
 pub fn list(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     let own = &session.document.preset.propagation;
     let mut compare = session.comparison.clone();
-    ui.label(format!("A  {} (the preset's own)", describe(own)));
+    ui.horizontal(|ui| {
+        star(ui, 0, &mut compare);
+        ui.add(Label::new(format!("A  {} (the preset's own)", describe(own))).truncate());
+    });
     let mut gone = None;
-    for (i, other) in compare.others.iter_mut().enumerate() {
+    for i in 0..compare.others.len() {
         ui.push_id(("other", i), |ui| {
-            if rival(ui, letter(i + 1), other, own) {
+            if rival(ui, i, &mut compare, own) {
                 gone = Some(i);
             }
-            warning(ui, session.asides.exceeded(i + 1).filter(|_| matches!(other, Rival::Propagator(_))));
+            let warned = matches!(compare.others[i], Rival::Propagator(_));
+            warning(ui, session.asides.exceeded(i + 1).filter(|_| warned));
         });
     }
     if let Some(i) = gone {
-        compare.others.remove(i);
+        compare.remove(i);
     }
     let room = compare.others.len() + 1 < MOST;
     let add = egui::Button::new("Add propagator or reference");
-    if ui.add_enabled(room, add).clicked() {
-        compare.add(own);
+    if ui.add_enabled(room, add).on_hover_text("Runs beside the preset's own, on the same scene").clicked() {
+        compare.add(&session.document.preset);
     }
     asks.changed(&session.comparison, compare, Ask::Comparison);
+}
+
+/// The star of a run: it is held against none, the others against it.
+fn star(ui: &mut Ui, place: usize, compare: &mut Comparison) {
+    let chosen = compare.star == place;
+    let letter = letter(place);
+    let button = ui.selectable_label(chosen, if chosen { "★" } else { "☆" });
+    name(&button.clone().on_hover_text(format!("Hold the others against {letter}")), &format!("Star {letter}"));
+    if button.clicked() {
+        compare.star = place;
+    }
 }
 
 /// The warning beneath a factor's field.
@@ -72,11 +89,14 @@ pub fn warning(ui: &mut Ui, exceeded: Option<Exceeded>) {
     ui.add(egui::Label::new(RichText::new(text).color(ui.visuals().warn_fg_color)).wrap());
 }
 
-/// The fields of one rival; true where it is to go.
-fn rival(ui: &mut Ui, letter: char, rival: &mut Rival, own: &Propagation) -> bool {
+/// The fields of the `i`-th rival; true where it is to go.
+fn rival(ui: &mut Ui, i: usize, compare: &mut Comparison, own: &Propagation) -> bool {
+    let letter = letter(i + 1);
     let full = |what: &str| format!("Propagator {letter} {what}");
     let gone = ui.horizontal(|ui| {
+        star(ui, i + 1, compare);
         ui.strong(format!("{letter}"));
+        let rival = &mut compare.others[i];
         let combo = ComboBox::from_id_salt("scheme").selected_text(rival.choice()).width(118.0);
         let combo = combo.show_ui(ui, |ui| {
             for scheme in transport::names() {
@@ -98,11 +118,11 @@ fn rival(ui: &mut Ui, letter: char, rival: &mut Rival, own: &Propagation) -> boo
         if let Rival::Propagator(propagation) = rival {
             let factor = DragValue::new(&mut propagation.factor).range(0.0..=100.0);
             let factor = factor.speed(0.01).max_decimals(6).prefix("p = ");
-            name(&ui.add(factor).on_hover_text("The propagation factor"), &full("factor"));
+            name(&field::add(ui, factor).on_hover_text("The propagation factor"), &full("factor"));
         }
         small_button(ui, "✖", &format!("Remove propagator {letter}")).clicked()
     });
-    if let Rival::Propagator(propagation) = rival {
+    if let Rival::Propagator(propagation) = &mut compare.others[i] {
         ui.horizontal(|ui| {
             ui.add_space(16.0);
             let mut consistent = propagation.levels == Policy::Consistent;

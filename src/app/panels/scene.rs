@@ -5,20 +5,16 @@ mod occluders;
 mod presets;
 mod propagation;
 
-use egui::{CollapsingHeader, Frame, RichText, ScrollArea, Ui};
+use egui::{CollapsingHeader, ScrollArea, Ui};
 
-use super::button::button;
 use super::field::{self, choice};
 use super::{menu, runs};
 use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
-use crate::app::session::command::Command;
-use crate::app::session::view::Stage;
 use crate::report::slice::Axis;
 use crate::scene::Preset;
 use crate::scene::preset::LARGEST;
 use crate::study::stability::outlook::Exceeded;
-use crate::transport::preset;
 
 /// The largest volume that the list of sizes offers; larger ones can be opened from a file.
 const LARGEST_OFFERED: usize = 256;
@@ -38,51 +34,30 @@ struct Surroundings {
 pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     ui.add_space(4.0);
     presets::ui(ui, session, asks);
-    stale_banner(ui, session, asks);
-    if session.settings.view.stage == Stage::Compare {
-        ui.label(RichText::new("Compared propagators").strong());
-        runs::list(ui, session, asks);
-        ui.separator();
-    }
+    menu::rerun(ui, session, asks);
+    ui.add_space(4.0);
     let around = Surroundings {
         axis: session.settings.view.axis,
         placing: session.placing,
         exceeded: session.asides.exceeded(0),
     };
     let mut preset = session.document.preset.clone();
-    edit(ui, &mut preset, around, asks);
+    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+        let runs = format!("Runs ({})", session.comparison.others.len() + 1);
+        section(ui, &runs, |ui| runs::list(ui, session, asks));
+        edit(ui, &mut preset, around, asks);
+    });
     asks.changed(&session.document.preset, preset, |preset| Ask::Preset(Box::new(preset)));
 }
 
 fn edit(ui: &mut Ui, preset: &mut Preset, around: Surroundings, asks: &mut Asks) {
-    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
-        ui.spacing_mut().slider_width = 110.0;
-        section(ui, "Propagation", |ui| propagation::ui(ui, &mut preset.propagation, around.exceeded));
-        let injectors = format!("Injectors ({})", preset.injectors.len());
-        section(ui, &injectors, |ui| injectors::ui(ui, preset, around, asks));
-        let occluders = format!("Occluders ({})", preset.occluders.len());
-        section(ui, &occluders, |ui| occluders::ui(ui, preset, asks));
-        section(ui, "Volume", |ui| volume(ui, preset));
-    });
-}
-
-/// Says that the results are of another scene, and offers to run again.
-fn stale_banner(ui: &mut Ui, session: &Session, asks: &mut Asks) {
-    let fault = preset::check(&session.document.preset).err().map(|fault| fault.to_string());
-    if fault.is_none() && !session.is_stale() {
-        return;
-    }
-    Frame::group(ui.style()).fill(ui.visuals().faint_bg_color).show(ui, |ui| {
-        ui.set_width(ui.available_width());
-        if let Some(fault) = fault {
-            ui.colored_label(ui.visuals().error_fg_color, fault);
-            return;
-        }
-        ui.label(RichText::new("The scene was edited after this run.").color(ui.visuals().warn_fg_color));
-        ui.horizontal(|ui| button(ui, session, Command::Rerun, asks));
-        menu::rerun(ui, session, asks);
-    });
-    ui.add_space(4.0);
+    ui.spacing_mut().slider_width = 110.0;
+    section(ui, "Propagation", |ui| propagation::ui(ui, &mut preset.propagation, around.exceeded));
+    let injectors = format!("Injectors ({})", preset.injectors.len());
+    section(ui, &injectors, |ui| injectors::ui(ui, preset, around, asks));
+    let occluders = format!("Occluders ({})", preset.occluders.len());
+    section(ui, &occluders, |ui| occluders::ui(ui, preset, asks));
+    section(ui, "Volume", |ui| volume(ui, preset));
 }
 
 fn section(ui: &mut Ui, title: &str, content: impl FnOnce(&mut Ui)) {

@@ -1,13 +1,16 @@
 //! The flat views, with what the pointer does in them.
 
-use egui::Ui;
+use egui::{Align2, Ui};
 
-use crate::app::draw::glyphs::Scales;
+use super::canvas;
+
 use crate::app::draw::grids::{Grids, Manner, Mark, Pointed};
 use crate::app::draw::ink::color;
+use crate::app::draw::scales::Scales;
 use crate::app::session::Session;
 use crate::app::session::ask::Asks;
 use crate::app::session::plots::Tab;
+use crate::app::session::view::Stage;
 use crate::app::worker::look::Shown;
 use crate::report::colour::Theme;
 use crate::report::slice::SliceCell;
@@ -23,13 +26,32 @@ pub fn ui(
     asks: &mut Asks,
 ) -> Option<Pointed> {
     let marks = marks(session, theme, pointed);
-    let manner = Manner { view: &session.settings.view, theme, scales, marks: &marks };
-    let pointed = grids.ui(ui, &session.sight.shown, &session.titles(), &manner)?;
+    let paint = scales.paint(&session.settings.view);
+    // The algorithm's way: what the source sends comes into the target, which is added to the sum.
+    let between: &[&str] = if session.settings.view.stage == Stage::Grids { &["➡", "+"] } else { &[] };
+    let manner = Manner { view: &session.settings.view, theme, scales, paint, marks: &marks, between };
+    let room = ui.available_rect_before_wrap();
+    let pointed = grids.ui(ui, &session.sight.shown, &session.titles(), &manner);
+    for (shown, placing) in session.sight.shown.iter().zip(grids.placings()) {
+        ui.push_id(("canvas", placing.clip.left() as i32, placing.clip.top() as i32), |ui| {
+            canvas::ui(ui, session, placing, shown.slice.plane, theme, asks);
+        });
+    }
+    if let Some(why) = session.why_dark() {
+        let font = egui::FontId::proportional(15.0);
+        let galley = ui.painter().layout(why.to_owned(), font, color(theme.ink), room.width() - 20.0);
+        let rect = Align2::CENTER_CENTER.anchor_size(room.center(), galley.size());
+        ui.painter().rect_filled(rect.expand(8.0), 4.0, color(theme.ground).gamma_multiply(0.9));
+        ui.painter().galley(rect.min, galley, color(theme.ink));
+        ui.interact(rect, ui.scope_id().with("dark"), egui::Sense::hover())
+            .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, why));
+    }
+    let pointed = pointed?;
     if let Some(shown) = session.sight.shown.get(pointed.pane) {
         if pointed.double_clicked {
             session.pick(shown, pointed.at, asks);
         } else if pointed.clicked {
-            session.click(shown, pointed.at, asks);
+            canvas::click(session, pointed, asks);
         }
     }
     Some(pointed)
@@ -64,7 +86,9 @@ fn marks(session: &Session, theme: &Theme, pointed: Option<Pointed>) -> Vec<Mark
         }
     }
     if let Some((shown, i)) = under_pointer(session, pointed) {
-        let SliceCell { column, row, span, .. } = shown.slice.cells[i];
+        let SliceCell { level, cell, .. } = shown.slice.cells[i];
+        let (axis, span) = (shown.slice.plane.axis, 1 << level);
+        let (column, row) = (cell[axis.columns()] * span, cell[axis.rows()] * span);
         marks.push(Mark { pane: None, column, row, size: [span; 2], color: color(theme.ink) });
     }
     marks

@@ -1,8 +1,8 @@
 //! What is chosen over the light in space.
 
-use egui::{DragValue, Ui};
+use egui::{DragValue, RichText, Ui};
 
-use super::field::name;
+use super::field::{self, name};
 use super::legend;
 use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
@@ -22,13 +22,19 @@ pub fn bar(ui: &mut Ui, session: &Session, asks: &mut Asks) {
         ui.label("from");
         let threshold = DragValue::new(&mut space.threshold).range(0.0..=1.0).speed(0.001).max_decimals(4);
         let threshold =
-            ui.add(threshold).on_hover_text("The share of the strongest light below which cells are left out");
+            field::add(ui, threshold).on_hover_text("The share of the strongest light below which cells are left out");
         name(&threshold, "Threshold");
         if let Some(cloud) = &session.sight.cloud {
-            let left_out =
-                if cloud.left_out > 0 { format!(", {} weaker ones left out", cloud.left_out) } else { String::new() };
             let strongest = legend::number(cloud.strongest);
-            ui.label(format!("of the strongest c00 = {strongest}:  {} cells{left_out}", cloud.cells.len()));
+            ui.label(format!("of the strongest c00 = {strongest}:  {} cells", cloud.cells.len()));
+            if let Some((level, found)) = cloud.coarsened {
+                let text = format!("level {level} is the finest shown: {found} cells are more than can be drawn");
+                ui.label(RichText::new(text).color(ui.visuals().warn_fg_color));
+            }
+            if cloud.left_out > 0 {
+                let text = format!("{} weaker ones left out", cloud.left_out);
+                ui.label(RichText::new(text).color(ui.visuals().warn_fg_color));
+            }
         }
     });
     asks.changed(&session.comparison, comparison, Ask::Comparison);

@@ -3,7 +3,7 @@
 use egui::{DragValue, Slider, Ui};
 
 use super::button::{button, named_button};
-use super::field::name;
+use super::field::{self, name};
 use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
 use crate::app::session::command::Command;
@@ -27,13 +27,15 @@ pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
         }
         let mut pace = session.settings.pace;
         let field = DragValue::new(&mut pace).range(PACE).speed(0.1).max_decimals(1).suffix(" /s");
-        name(&ui.add(field).on_hover_text("Iterations a second while playing"), "Pace");
+        name(&field::add(ui, field).on_hover_text("Iterations a second while playing"), "Pace");
         asks.changed(&session.settings.pace, pace, Ask::Pace);
         let progress = &session.run.progress;
         let (oldest, latest) = (progress.oldest, progress.iteration);
         let mut seen = session.seen();
-        let memory = 250.0;
-        ui.spacing_mut().slider_width = (ui.available_width() - memory - 190.0).max(60.0);
+        // A narrow window has room for the slider alone.
+        let room = ui.available_width();
+        let memory = if room > 620.0 { 250.0 } else { 0.0 };
+        ui.spacing_mut().slider_width = (room - memory - 190.0).max(60.0);
         let slider = Slider::new(&mut seen, oldest..=latest.max(oldest + 1)).prefix("k = ");
         let slider = ui.add_enabled(latest > 0, slider).on_hover_text("The iteration that is shown");
         name(&slider, "Iteration shown");
@@ -41,11 +43,13 @@ pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
             asks.ask(Ask::Scrub(seen.min(latest)));
         }
         button(ui, session, Command::Restart, asks);
+        if memory == 0.0 {
+            return;
+        }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let mut mib = session.settings.past_mib;
             let field = DragValue::new(&mut mib).range(PAST).speed(4.0).suffix(" MiB");
-            let field = ui
-                .add(field)
+            let field = field::add(ui, field)
                 .on_hover_text("The memory that past iterations may take; what does not fit is computed again");
             name(&field, "Memory for the past");
             asks.changed(&session.settings.past_mib, mib, Ask::Past);

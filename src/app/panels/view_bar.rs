@@ -2,12 +2,13 @@
 
 use egui::{ComboBox, DragValue, Ui};
 
-use super::field::name;
+use super::field::{self, name};
 use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
 use crate::app::session::command::Command;
+use crate::app::session::items::Tool;
 use crate::app::session::settings::{DECADES, FULL};
-use crate::app::session::view::{Heat, Scaling, Stage, View, hue_name, paint_name};
+use crate::app::session::view::{Fill, Heat, Scaling, Stage, View, hue_name, paint_name};
 use crate::app::worker::look::Layer;
 use crate::report::colour::Paint;
 use crate::report::glyph::Hue;
@@ -16,7 +17,7 @@ use crate::report::slice::Axis;
 /// The bar.
 pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     let mut view = session.settings.view.clone();
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         for (command, stage) in
             [(Command::Grids, Stage::Grids), (Command::Compare, Stage::Compare), (Command::Space, Stage::Space)]
         {
@@ -25,6 +26,8 @@ pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
                 asks.command(command);
             }
         }
+        ui.separator();
+        tools(ui, session, asks);
         ui.separator();
         cut(ui, session, &mut view);
         ui.separator();
@@ -36,6 +39,22 @@ pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
         });
     });
     asks.changed(&session.settings.view, view, |view| Ask::View(Box::new(view)));
+}
+
+/// What the pointer does in the views.
+fn tools(ui: &mut Ui, session: &Session, asks: &mut Asks) {
+    for (command, tool, picture) in [
+        (Command::SelectTool, Tool::Select, "⬉"),
+        (Command::LightTool, Tool::Light, "☀"),
+        (Command::OccluderTool, Tool::Occluder, "⬛"),
+        (Command::ProbeTool, Tool::Probe, "⌖"),
+    ] {
+        let button = ui.selectable_label(session.tool == tool, picture).on_hover_text(command.tooltip(ui.ctx()));
+        name(&button, command.name());
+        if button.clicked() {
+            asks.command(command);
+        }
+    }
 }
 
 /// Which level, and where it is cut.
@@ -57,7 +76,7 @@ fn cut(ui: &mut Ui, session: &Session, view: &mut View) {
         }
     }
     let slice = DragValue::new(&mut view.index).range(0..=progress.side.max(1) - 1).speed(0.15).prefix("= ");
-    name(&ui.add(slice).on_hover_text("Where to cut, in finest cells (Page Up, Page Down)"), "Slice index");
+    name(&field::add(ui, slice).on_hover_text("Where to cut, in finest cells (Page Up, Page Down)"), "Slice index");
 }
 
 fn combo(ui: &mut Ui, full_name: &str, width: f32, text: &str, content: impl FnOnce(&mut Ui)) {
@@ -74,13 +93,20 @@ fn scale(ui: &mut Ui, view: &mut View) {
     });
     if view.scaling == Scaling::Log {
         let decades = DragValue::new(&mut view.decades).range(DECADES).speed(0.05).suffix(" decades").max_decimals(1);
-        name(&ui.add(decades).on_hover_text("Powers of ten from a full glyph to none"), "Decades");
+        name(&field::add(ui, decades).on_hover_text("Powers of ten from a full glyph to none"), "Decades");
     }
     if view.scaling != Scaling::PerGlyph {
-        ui.checkbox(&mut view.fit, "Fit").on_hover_text("The brightest glyph fills its cell");
-        if !view.fit {
+        combo(ui, "Brightest glyph", 112.0, view.fill.name(), |ui| {
+            for fill in Fill::ALL {
+                ui.selectable_value(&mut view.fill, fill, fill.name()).on_hover_text(fill.about());
+            }
+        });
+        if view.fill == Fill::Fixed {
             let full = DragValue::new(&mut view.full).range(FULL).speed(0.002).max_decimals(6);
-            name(&ui.add(full).on_hover_text("The intensity that fills a cell, per steradian"), "Full intensity");
+            name(
+                &field::add(ui, full).on_hover_text("The intensity that fills a cell, per steradian"),
+                "Full intensity",
+            );
         }
     }
     combo(ui, "Glyph colour", 112.0, paint_name(view.paint), |ui| {
@@ -93,6 +119,8 @@ fn scale(ui: &mut Ui, view: &mut View) {
 fn layers_menu(ui: &mut Ui, view: &mut View) {
     ui.checkbox(&mut view.glyphs, "Glyphs");
     ui.checkbox(&mut view.negative, "Negative lobes").on_hover_text("What a clamp removes, in a colour of its own");
+    ui.checkbox(&mut view.flux, "Centre and flux")
+        .on_hover_text("A dot in each cell's middle and a tick towards where its light goes, where there is room");
     ui.checkbox(&mut view.cells, "Cell edges");
     ui.checkbox(&mut view.levels, "Index volume").on_hover_text("Which level each finest cell is sampled from");
     ui.checkbox(&mut view.occluders, "Occluders");
@@ -103,6 +131,8 @@ fn layers_menu(ui: &mut Ui, view: &mut View) {
     }
     ui.separator();
     ui.label("Light shown");
+    ui.checkbox(&mut view.hues, "Hues in their own colours")
+        .on_hover_text("Where glyphs tell directions, light that is not white is shown in its own colours");
     for hue in Hue::ALL {
         ui.radio_value(&mut view.hue, hue, hue_name(hue));
     }

@@ -6,7 +6,9 @@ use std::path::PathBuf;
 use super::command::Command;
 use super::comparison::Comparison;
 use super::curves::Curves;
+use super::items::Item;
 use super::plots::Plots;
+use super::port::Port;
 use super::purpose::Purpose;
 use super::sight::SpaceLook;
 use super::view::View;
@@ -40,6 +42,8 @@ pub enum Ask {
     Scrub(usize),
     /// Keep a cell in sight, or none.
     Pin(Option<Pin>),
+    /// Choose an object of the scene, or none.
+    Select(Option<Item>),
     /// Have this injector placed by the next click in a view, or none.
     Place(Option<usize>),
     /// Choose a file.
@@ -48,8 +52,12 @@ pub enum Ask {
     Leave(Next),
     /// Say this.
     Say(String),
+    /// The port that is looked at.
+    Port(Box<Port>),
     /// Dismiss what is said.
     Dismiss,
+    /// Dismiss what to look for.
+    DismissGuide,
     /// Give up what truly arrives, or begin again.
     SeekTruth(bool),
     /// Call off the measurement of run time against error.

@@ -3,6 +3,8 @@
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 
+use super::view::Workspace;
+
 /// Something that the window can be told to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Command {
@@ -48,6 +50,10 @@ pub enum Command {
     Last,
     /// Go on from the iteration that is shown.
     Restart,
+    /// Go back to the run that was left last.
+    RunBefore,
+    /// Go to the run that was last gone back from.
+    RunAfter,
     /// Cut one cell further down the axis.
     SliceDown,
     /// Cut one cell further up the axis.
@@ -58,10 +64,20 @@ pub enum Command {
     Finer,
     /// A coarser level.
     Coarser,
+    /// Another colouring of glyphs.
+    NextPaint,
     /// The merged light, or back to a level.
     Merged,
     /// Zoom and pan back to the whole slice.
     WholeSlice,
+    /// The workspace of light in the volume.
+    ToLight,
+    /// The workspace of the scene.
+    ToScene,
+    /// The workspace of the picture.
+    ToPicture,
+    /// The workspace of studies.
+    ToStudy,
     /// Source, target and accumulated light.
     Grids,
     /// Several propagators side by side.
@@ -86,19 +102,39 @@ pub enum Command {
     ExportPng,
     /// Save what the grids show as SVG.
     ExportGrids,
+    /// Save all iterations as an animation.
+    ExportFilm,
+    /// Save all iterations as numbered pictures.
+    ExportFrames,
     /// Put what the plots show on the clipboard, as a table.
     CopyCurves,
     /// Put the plots on the clipboard, as a picture.
     CopyPlots,
     /// Put what the grids show on the clipboard, as a picture.
     CopyGrids,
+    /// All commands, presets and settings by name.
+    Palette,
+    /// The built-in presets with their pictures.
+    Gallery,
+    /// Fold the scene's panel, or open it.
+    FoldScene,
+    /// Fold the plots, or open them.
+    FoldPlots,
+    /// Choose and change objects in the views.
+    SelectTool,
+    /// Add lights in the views.
+    LightTool,
+    /// Add occluders in the views.
+    OccluderTool,
+    /// Lay the plotted line through cells of the views.
+    ProbeTool,
     /// The list of all keys.
     Keys,
 }
 
 impl Command {
     /// All of them, in the order of the keyboard reference.
-    pub const ALL: [Command; 44] = [
+    pub const ALL: [Command; 61] = [
         Command::Open,
         Command::Save,
         Command::SaveAs,
@@ -120,13 +156,20 @@ impl Command {
         Command::First,
         Command::Last,
         Command::Restart,
+        Command::RunBefore,
+        Command::RunAfter,
         Command::SliceDown,
         Command::SliceUp,
         Command::NextAxis,
         Command::Finer,
         Command::Coarser,
         Command::Merged,
+        Command::NextPaint,
         Command::WholeSlice,
+        Command::ToLight,
+        Command::ToScene,
+        Command::ToPicture,
+        Command::ToStudy,
         Command::Grids,
         Command::Compare,
         Command::Space,
@@ -139,9 +182,19 @@ impl Command {
         Command::ExportSvg,
         Command::ExportPng,
         Command::ExportGrids,
+        Command::ExportFilm,
+        Command::ExportFrames,
         Command::CopyCurves,
         Command::CopyPlots,
         Command::CopyGrids,
+        Command::Palette,
+        Command::Gallery,
+        Command::FoldScene,
+        Command::FoldPlots,
+        Command::SelectTool,
+        Command::LightTool,
+        Command::OccluderTool,
+        Command::ProbeTool,
         Command::Keys,
     ];
 
@@ -179,14 +232,23 @@ impl Command {
             Command::Forward => ("Iteration after", "Show the iteration after this one"),
             Command::First => ("First iteration", "Show the first iteration that is remembered"),
             Command::Last => ("Latest iteration", "Show the latest iteration, and follow it"),
-            Command::Restart => ("Go on from here", "Forget the iterations after the one shown, and go on from it"),
+            Command::Restart => ("Go on from here", "Go on from the iteration shown; the run that is left is kept"),
+            Command::RunBefore => {
+                ("Run before", "Take Clear, Run again or Go on from here back: the run that was left")
+            }
+            Command::RunAfter => ("Run after", "Go to the run that was last gone back from"),
             Command::SliceDown => ("Slice down", "Cut one cell nearer to the origin"),
             Command::SliceUp => ("Slice up", "Cut one cell farther from the origin"),
             Command::NextAxis => ("Next axis", "Cut across the next axis"),
             Command::Finer => ("Finer level", "Show the next finer level"),
             Command::Coarser => ("Coarser level", "Show the next coarser level"),
             Command::Merged => ("Merged levels", "Show the merged levels, or level 0"),
+            Command::NextPaint => ("Next colouring", "Have the glyphs' colour tell something else"),
             Command::WholeSlice => ("Whole slice", "Zoom and pan back to the whole slice"),
+            Command::ToLight => ("Light workspace", "How light travels: grids, space, comparison and plots"),
+            Command::ToScene => ("Scene workspace", "The scene in space: mesh, lights and occluders"),
+            Command::ToPicture => ("Picture workspace", "What a camera sees, and its truth"),
+            Command::ToStudy => ("Study workspace", "Questions put to the light"),
             Command::Grids => ("Grids", "Source, target and accumulated light side by side"),
             Command::Compare => ("Compare", "Propagators or iterations side by side, with their difference"),
             Command::Space => ("3D", "The light in space: drag to orbit, scroll to zoom"),
@@ -199,10 +261,31 @@ impl Command {
             Command::ExportSvg => ("Plots as SVG…", "Save the plots as a vector picture"),
             Command::ExportPng => ("Plots as PNG…", "Save the plots as a picture"),
             Command::ExportGrids => ("Grids as SVG or PNG…", "Save the slices that are shown as a picture"),
+            Command::ExportFilm => ("Run as animation…", "Save the slices of all iterations as an animated PNG"),
+            Command::ExportFrames => ("Run as numbered pictures…", "Save the slices of each iteration as a PNG"),
             Command::CopyCurves => ("Copy curves", "Put the numbers that the plots show on the clipboard, as CSV"),
             Command::CopyPlots => ("Copy plots", "Put the plots on the clipboard, as a picture"),
             Command::CopyGrids => ("Copy grids", "Put the slices that are shown on the clipboard, as a picture"),
+            Command::Palette => ("Commands…", "Find a command, a preset or a setting by its name"),
+            Command::Gallery => ("Gallery…", "The built-in presets, with pictures and what to look for"),
+            Command::FoldScene => ("Fold the scene", "Fold the panel of the scene to a strip, or open it"),
+            Command::FoldPlots => ("Fold the plots", "Fold the plots to a strip, or open them"),
+            Command::SelectTool => ("Select", "Click a cell to pin it, an object to change it by its handles"),
+            Command::LightTool => ("Add light", "Click a cell of a view to add an injector there"),
+            Command::OccluderTool => ("Add occluder", "Click a cell of a view to add an occluder there"),
+            Command::ProbeTool => ("Probe", "Click a cell of a view to plot the light along the line through it"),
             Command::Keys => ("Keyboard reference", "All keys"),
+        }
+    }
+
+    /// The workspace that it opens, if it opens one.
+    pub fn workspace(self) -> Option<Workspace> {
+        match self {
+            Command::ToLight => Some(Workspace::Light),
+            Command::ToScene => Some(Workspace::Scene),
+            Command::ToPicture => Some(Workspace::Picture),
+            Command::ToStudy => Some(Workspace::Study),
+            _ => None,
         }
     }
 
@@ -233,13 +316,20 @@ impl Command {
             Command::First => plain(Key::Home),
             Command::Last => plain(Key::End),
             Command::Restart => plain(Key::G),
+            Command::RunBefore => plain(Key::B),
+            Command::RunAfter => plain(Key::N),
             Command::SliceDown => plain(Key::PageDown),
             Command::SliceUp => plain(Key::PageUp),
             Command::NextAxis => plain(Key::A),
             Command::Finer => plain(Key::Minus),
             Command::Coarser => plain(Key::Plus),
             Command::Merged => plain(Key::L),
+            Command::NextPaint => plain(Key::H),
             Command::WholeSlice => plain(Key::W),
+            Command::ToLight => plain(Key::Num1),
+            Command::ToScene => plain(Key::Num2),
+            Command::ToPicture => plain(Key::Num3),
+            Command::ToStudy => plain(Key::Num4),
             Command::Grids => plain(Key::F2),
             Command::Compare => plain(Key::F3),
             Command::Space => plain(Key::F4),
@@ -252,8 +342,20 @@ impl Command {
             Command::CopyPlots => with_both(Key::P),
             Command::CopyGrids => with_both(Key::G),
             Command::ExportCsv => with_control(Key::E),
+            Command::Palette => with_control(Key::P),
+            Command::Gallery => with_control(Key::G),
+            Command::FoldScene => plain(Key::F9),
+            Command::FoldPlots => plain(Key::F10),
+            Command::SelectTool => plain(Key::V),
+            Command::LightTool => plain(Key::E),
+            Command::OccluderTool => plain(Key::X),
+            Command::ProbeTool => plain(Key::Q),
             Command::Keys => plain(Key::F1),
-            Command::ExportSvg | Command::ExportPng | Command::ExportGrids => None,
+            Command::ExportSvg
+            | Command::ExportPng
+            | Command::ExportGrids
+            | Command::ExportFilm
+            | Command::ExportFrames => None,
         }
     }
 

@@ -3,7 +3,8 @@
 
 use crate::app::worker::look::{Light, Of, Pane, State};
 use crate::app::worker::rival::{Rival, sides};
-use crate::scene::Propagation;
+use crate::scene::{Preset, Propagation};
+use crate::study::stability::outlook::surely_bounded;
 use crate::transport;
 
 /// The most propagators that are compared, the document's own among them.
@@ -28,7 +29,9 @@ pub struct Comparison {
     pub others: Vec<Rival>,
     /// Which octree is shown.
     pub light: Light,
-    /// Whether differences from the first are shown too.
+    /// The place of the one that the others are held against, 0 for the document's own.
+    pub star: usize,
+    /// Whether differences from that one are shown too.
     pub difference: bool,
     /// The other iteration.
     pub against: usize,
@@ -39,6 +42,7 @@ impl Default for Comparison {
         Comparison {
             sides: Sides::default(),
             others: Vec::new(),
+            star: 0,
             light: Light::default(),
             difference: true,
             against: 0,
@@ -57,17 +61,47 @@ impl Comparison {
             }
         };
         let mut panes: Vec<Pane> = states.iter().map(|state| pane(*state, None)).collect();
+        // Of two iterations the second is held against the first.
+        let star = if self.sides == Sides::Propagators { self.star.min(states.len() - 1) } else { 0 };
         if self.difference {
-            panes.extend(states.iter().skip(1).map(|state| pane(*state, Some(states[0]))));
+            let others = states.iter().enumerate().filter(|(place, _)| *place != star);
+            panes.extend(others.map(|(_, state)| pane(*state, Some(states[star]))));
         }
         panes
     }
 
-    /// Adds a propagator: the next scheme that is not there yet.
-    pub fn add(&mut self, own: &Propagation) {
-        let used = |name: &str| own.scheme == name || self.others.iter().any(|other| other.choice() == name);
-        let next = transport::names().into_iter().find(|name| !used(name)).unwrap_or(transport::names()[0]);
-        self.others.push(Rival::Propagator(Propagation { scheme: next.to_owned(), ..own.clone() }));
+    /// Adds a run that is not there yet: what cannot grow without bound first.
+    pub fn add(&mut self, preset: &Preset) {
+        let (own, size, coarsest) = (&preset.propagation, preset.size, preset.coarsest);
+        let with = |scheme: &&str| Propagation { scheme: (*scheme).to_owned(), ..own.clone() };
+        let (bounded, others): (Vec<&str>, Vec<&str>) =
+            transport::names().iter().partition(|scheme| surely_bounded(&with(scheme), size, coarsest));
+        let schemes = |names: &[&str]| names.iter().map(|name| Rival::Propagator(with(name))).collect::<Vec<_>>();
+        let references = [Rival::Uniform, Rival::Ballistic];
+        let all = schemes(&bounded).into_iter().chain(references).chain(schemes(&others));
+        let used = |rival: &Rival| {
+            rival.choice() == own.scheme || self.others.iter().any(|other| other.choice() == rival.choice())
+        };
+        // The uniform volume of a single level is the run itself.
+        let idle = |rival: &Rival| *rival == Rival::Uniform && size == coarsest;
+        let next = all.into_iter().find(|rival| !used(rival) && !idle(rival));
+        self.others.push(next.unwrap_or_else(|| Rival::Propagator(own.clone())));
+    }
+
+    /// The first run to hold the document's own against: what its octree costs, or, where it has a single level, what its
+    /// propagator does.
+    pub fn begin(&mut self, preset: &Preset) {
+        self.others.push(if preset.size > preset.coarsest { Rival::Uniform } else { Rival::Ballistic });
+    }
+
+    /// Takes a run out of the list; the star goes to the document's own where it was that run's.
+    pub fn remove(&mut self, i: usize) {
+        self.others.remove(i);
+        self.star = match self.star {
+            star if star == i + 1 => 0,
+            star if star > i + 1 => star - 1,
+            star => star,
+        };
     }
 }
 
@@ -97,12 +131,33 @@ mod tests {
     }
 
     #[test]
-    fn propagators_that_are_added_differ_while_they_can() {
-        let own = Propagation::default();
+    fn differences_are_from_the_star_and_it_stays_with_its_run() {
+        let mut compare =
+            Comparison { star: 2, others: vec![Rival::Uniform, Rival::Ballistic], ..Comparison::default() };
+        let of = |compare: &Comparison| -> Vec<(Of, Option<Of>)> {
+            let panes = compare.panes(None, &compare.others);
+            panes.iter().map(|pane| (pane.state.of, pane.minus.map(|minus| minus.of))).collect()
+        };
+        let (own, uniform, truth) = (Of::Track(0), Of::Track(1), Of::Truth);
+        let plain = [(own, None), (uniform, None), (truth, None)];
+        assert_eq!(of(&compare), [plain.as_slice(), &[(own, Some(truth)), (uniform, Some(truth))]].concat());
+        compare.remove(0);
+        assert_eq!(compare.star, 1);
+        assert_eq!(of(&compare), [(own, None), (truth, None), (own, Some(truth))]);
+        compare.remove(0);
+        assert_eq!((compare.star, of(&compare)), (0, vec![(own, None)]));
+    }
+
+    #[test]
+    fn runs_that_are_added_differ_and_those_that_stay_bounded_come_first() {
+        let preset = Preset::default();
         let mut compare = Comparison::default();
-        for (i, known) in transport::names().into_iter().skip(1).enumerate() {
-            compare.add(&own);
-            assert_eq!(compare.others[i].choice(), known);
-        }
+        (1..MOST).for_each(|_| compare.add(&preset));
+        let chosen: Vec<&str> = compare.others.iter().map(Rival::choice).collect();
+        let distinct: std::collections::HashSet<&str> = chosen.iter().copied().collect();
+        assert_eq!(distinct.len(), chosen.len());
+        assert!(!distinct.contains(preset.propagation.scheme.as_str()));
+        // At p = 3 the schemes from public ports grow without bound (MATH.md section 2).
+        assert!(!distinct.contains("blog") && distinct.contains("Uniform volume"), "{chosen:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! Errors over the iterations: what is known of each run, and the curves that can be drawn of it.
+//! Errors over the iterations: what is known of each run.
 
 use crate::study::error::ErrorRow;
 use crate::study::expectation::Expectation;
@@ -12,6 +12,8 @@ pub struct Curves {
     pub rows: Vec<ErrorRow>,
     /// Its colour, by number.
     pub color: usize,
+    /// What each of its iterations took, in seconds.
+    pub seconds: Vec<f64>,
 }
 
 impl Curves {
@@ -30,6 +32,19 @@ impl Curves {
         self.rows.retain(|row| (row.iteration, row.expectation) != (iteration, metric));
         self.rows.extend(measured);
         self.rows.sort_by_key(|row| row.iteration);
+    }
+
+    /// Its latest errors up to iteration `k`.
+    pub fn last(&self, metric: Expectation, level: Option<usize>, k: usize) -> Option<&ErrorRow> {
+        let rows = self.rows.iter().filter(|row| row.expectation == metric && row.level == level);
+        rows.filter(|row| row.iteration <= k).max_by_key(|row| row.iteration)
+    }
+
+    /// What an iteration takes in the median, in milliseconds.
+    pub fn milliseconds(&self) -> Option<f64> {
+        let mut seconds = self.seconds.clone();
+        seconds.sort_by(f64::total_cmp);
+        seconds.get(seconds.len() / 2).map(|seconds| 1e3 * seconds)
     }
 
     /// (iteration, value) of the rows of a metric and a level.

@@ -80,6 +80,12 @@ impl Format {
         }
     }
 
+    /// The width on paper, in millimetres; none for the screen.
+    pub fn millimetres(&self) -> Option<f32> {
+        let on_paper = matches!(self.size, Size::Column | Size::Page);
+        on_paper.then(|| (f64::from(self.width()) / PER_MM) as f32)
+    }
+
     /// The height, in CSS pixels, where it is fixed; on paper it follows.
     pub fn height(&self) -> Option<u32> {
         match self.size {

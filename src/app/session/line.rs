@@ -53,6 +53,7 @@ impl Course {
             let name = match policy {
                 Policy::Same => "merged, one factor for all levels",
                 Policy::Consistent => "merged, consistent levels",
+                Policy::Exact => "merged, exact levels",
             };
             curves.push((name, points(policies.merged(policy, line))));
         }
@@ -116,6 +117,15 @@ impl Session {
         through[plane.axis.across()] = plane.index.min(last);
         through[beside] = at.unwrap_or(through[beside]).min(last);
         Line { along, through }
+    }
+
+    /// Where the line begins and ends, in finest cells.
+    pub fn line_ends(&self) -> [[f32; 3]; 2] {
+        let line = self.line();
+        let mut ends = [line.through.map(|c| c as f32 + 0.5); 2];
+        ends[0][line.along] = 0.0;
+        ends[1][line.along] = self.run.progress.side as f32;
+        ends
     }
 
     /// The light along it, once it is computed.

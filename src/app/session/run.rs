@@ -4,8 +4,10 @@ use std::sync::Arc;
 
 use egui::Context;
 
+use super::branches::{Branches, Record};
 use super::curves::Curves;
 use super::document::Document;
+use super::items::Item;
 use crate::app::worker::rival::Rival;
 use crate::app::worker::{Load, Order, Progress, Start, Worker};
 use crate::field::Levels;
@@ -16,6 +18,8 @@ use crate::simulation::Change;
 pub struct Run {
     /// The thread that computes.
     pub worker: Worker,
+    /// The runs before and after this one.
+    pub branches: Branches,
     /// What the present results were made from.
     ran: Preset,
     /// What ran beside the preset's own propagator.
@@ -44,6 +48,7 @@ impl Run {
         let wake = ctx.clone();
         Ok(Run {
             worker: Worker::start(budget, move || wake.request_repaint())?,
+            branches: Branches::default(),
             ran: preset,
             others: Vec::new(),
             problem: None,
@@ -57,8 +62,9 @@ impl Run {
         })
     }
 
-    /// Hands a document to the worker, with what is to run beside it.
-    pub fn load(&mut self, document: &Document, others: Vec<Rival>, start: Start) {
+    /// Hands a document to the worker, with what is to run beside it; `leave` keeps the run that is left.
+    pub fn load(&mut self, document: &Document, others: Vec<Rival>, start: Start, leave: bool) {
+        let tag = self.branches.begin(self.record());
         let preset = &document.preset;
         self.ran = preset.clone();
         self.others = others;
@@ -71,8 +77,32 @@ impl Run {
         self.playing = None;
         let levels = Levels::new(preset.size, preset.coarsest).map_or(1, |levels| levels.count());
         self.progress = Progress { side: preset.size, levels, ..Progress::default() };
-        let load = Load { preset: preset.clone(), folder: document.folder(), others: self.others.clone(), start };
+        let (preset, folder, others) = (preset.clone(), document.folder(), self.others.clone());
+        let load = Load { preset, folder, others, start, tag, leave };
         self.send(Order::Load(Box::new(load)));
+    }
+
+    /// Goes on from iteration `k`; the run that is left can be gone back to.
+    pub fn restart(&mut self, k: usize) {
+        self.at = None;
+        let tag = self.branches.begin(self.record());
+        self.send(Order::Restart(k, tag));
+    }
+
+    /// Takes up what is known of the run that the worker has turned to.
+    pub fn turn_to(&mut self, tag: u64) {
+        let left = self.record();
+        if let Some(Record { ran, others, problem, curves }) = self.branches.turn_to(tag, left) {
+            (self.ran, self.others, self.problem, self.curves) = (ran, others, problem, curves);
+        }
+        self.at = None;
+        self.playing = None;
+    }
+
+    /// What is known of the present run.
+    fn record(&self) -> Record {
+        let (ran, others) = (self.ran.clone(), self.others.clone());
+        Record { ran, others, problem: self.problem.clone(), curves: self.curves.clone() }
     }
 
     /// Gives an order whose news are waited for.
@@ -84,6 +114,11 @@ impl Run {
     /// Whether the results are of another preset than this one.
     pub fn differs(&self, preset: &Preset) -> bool {
         essence(preset) != essence(&self.ran)
+    }
+
+    /// Whether an object is in the run as it is in the preset.
+    pub fn has_run(&self, item: Item, preset: &Preset) -> bool {
+        item.is_same(preset, &self.ran)
     }
 
     /// Whether iterations follow each other by themselves.

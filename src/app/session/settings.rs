@@ -1,11 +1,14 @@
 //! What the window remembers from one time to the next.
 
+use std::fmt;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use ron::ser::PrettyConfig;
-use serde::{Deserialize, Serialize};
+use serde::de::Visitor;
+use serde::{Deserialize, Deserializer, Serialize};
 
+use super::folds::Folds;
 use super::plots::Plots;
 use super::unreadable::fault;
 use super::view::{View, Workspace};
@@ -31,6 +34,8 @@ const BEYOND: usize = 1 << 16;
 pub struct Settings {
     /// What fills the window between the bars.
     pub workspace: Workspace,
+    /// Which panels are folded away.
+    pub folds: Folds,
     /// How light is looked at.
     pub view: View,
     /// What the error plots show.
@@ -43,21 +48,23 @@ pub struct Settings {
     pub pace: f64,
     /// Whether playing begins again at the end.
     pub looping: bool,
-    /// Whether edits run again by themselves.
-    pub rerun: bool,
+    /// Whether edits run again by themselves; where nothing was chosen, those of small volumes do.
+    #[serde(deserialize_with = "chosen")]
+    pub rerun: Option<bool>,
 }
 
 impl Default for Settings {
     fn default() -> Self {
         Settings {
             workspace: Workspace::default(),
+            folds: Folds::default(),
             view: View::default(),
             plots: Plots::default(),
             recent: Vec::new(),
             past_mib: 512,
             pace: 4.0,
             looping: false,
-            rerun: false,
+            rerun: None,
         }
     }
 }
@@ -83,6 +90,9 @@ impl Settings {
         self.past_mib = nearest(self.past_mib, PAST, usual.past_mib);
         self.pace = nearest(self.pace, PACE, usual.pace);
         self.recent.truncate(MOST_RECENT);
+        if !Workspace::FILLED.contains(&self.workspace) {
+            self.workspace = Workspace::default();
+        }
         let view = &mut self.view;
         view.full = nearest(view.full, FULL, usual.view.full);
         view.decades = nearest(view.decades, DECADES, usual.view.decades);
@@ -103,10 +113,41 @@ impl Settings {
         if path.to_str().is_none() {
             return;
         }
-        self.recent.retain(|known| known != path);
-        self.recent.insert(0, path.to_path_buf());
+        // The program may be started elsewhere the next time.
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+        self.recent.retain(|known| *known != path);
+        self.recent.insert(0, path);
         self.recent.truncate(MOST_RECENT);
     }
+}
+
+/// Reads a choice; older programs wrote it without the mark that one was made.
+fn chosen<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<bool>, D::Error> {
+    struct Choice;
+    impl<'de> Visitor<'de> for Choice {
+        type Value = Option<bool>;
+
+        fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+            f.write_str("true, false or None")
+        }
+
+        fn visit_bool<E>(self, chosen: bool) -> Result<Self::Value, E> {
+            Ok(Some(chosen))
+        }
+
+        fn visit_none<E>(self) -> Result<Self::Value, E> {
+            Ok(None)
+        }
+
+        fn visit_unit<E>(self) -> Result<Self::Value, E> {
+            Ok(None)
+        }
+
+        fn visit_some<D: Deserializer<'de>>(self, inner: D) -> Result<Self::Value, D::Error> {
+            bool::deserialize(inner).map(Some)
+        }
+    }
+    deserializer.deserialize_any(Choice)
 }
 
 /// The number in the range that is nearest; the `usual` one for what is not a number.
@@ -127,12 +168,18 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read_back_and_what_is_left_out_is_usual() {
-        let mut settings = Settings { past_mib: 77, pace: 1.5, rerun: true, ..Settings::default() };
+        let mut settings = Settings { past_mib: 77, pace: 1.5, rerun: Some(true), ..Settings::default() };
         settings.remember(Path::new("a/\"b\" é.ron"));
+        assert!(settings.recent[0].is_absolute());
         settings.view.layer = Layer::Level(3);
         settings.plots.level = Some(2);
         assert_eq!(Settings::parse(&settings.to_ron(), Path::new("s")), Ok(settings));
         assert_eq!(Settings::parse("()", Path::new("s")), Ok(Settings::default()));
+        for (text, rerun) in
+            [("(rerun: true)", Some(true)), ("(rerun: Some(false))", Some(false)), ("(rerun: None)", None)]
+        {
+            assert_eq!(Settings::parse(text, Path::new("s")).unwrap().rerun, rerun, "{text}");
+        }
         let newer = "(pace: 2.0, of_a_newer_program: (1, 2))";
         assert_eq!(Settings::parse(newer, Path::new("s")).unwrap().pace, 2.0);
     }

@@ -4,10 +4,13 @@ use std::sync::Arc;
 
 use super::Session;
 use super::plots::Tab;
-use super::view::Stage;
+use super::view::{Scaling, Stage};
 use crate::app::worker::Order;
-use crate::app::worker::look::{Cloud, CloudAsk, Light, Look, Of, Pane, Pin, PinSample, Shown, State};
+use crate::app::worker::look::{Brightest, Cloud, CloudAsk, Light, Look, Of, Pane, Pin, PinSample, Shown, State};
 use crate::study::expectation::Expectation;
+
+/// The part of the largest glyphs that may be cut off by their cells on a linear scale.
+pub const LINEAR_QUANTILE: f32 = 0.99;
 
 /// How light in space is looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,7 +111,22 @@ impl Session {
                 (vec![ask.pane], Some(ask))
             }
         };
-        Look { panes, layer: view.layer, plane: view.plane(), against: self.against(), cloud }
+        // Of a linear scale a few of the largest glyphs may be cut off by their cells.
+        let quantile = if view.scaling == Scaling::Linear { LINEAR_QUANTILE } else { 1.0 };
+        let brightest = Brightest { hue: view.hue, quantile };
+        Look { panes, layer: view.layer, plane: view.plane(), against: self.against(), brightest, cloud }
+    }
+
+    /// Why nothing is to be seen, where that is so.
+    pub fn why_dark(&self) -> Option<&'static str> {
+        let problem = self.run.problem.as_ref()?;
+        if !self.sight.answered || self.run.progress.lit > 0 {
+            return None;
+        }
+        Some(match problem.sources.is_empty() {
+            true => "No light: add an injector, or switch one on.",
+            false => "Dark: inject the light (I), or run it all (R).",
+        })
     }
 
     /// Keeps a cell in sight, or none.

@@ -4,10 +4,12 @@ use egui::Context;
 
 use super::Session;
 use super::command::Command;
+use super::items::Tool;
 use super::plots::Tab;
-use super::view::Stage;
+use super::view::{Stage, Workspace};
 use crate::app::worker::look::Layer;
 use crate::app::worker::{Order, Progress, Start};
+use crate::report::colour::Paint;
 use crate::report::slice::Axis;
 use crate::simulation::Action;
 
@@ -15,6 +17,9 @@ impl Session {
     /// Whether a command can be given now.
     pub fn can(&self, command: Command) -> bool {
         let run = &self.run;
+        if let Some(workspace) = command.workspace() {
+            return Workspace::FILLED.contains(&workspace);
+        }
         match command {
             Command::Undo => self.document.can_undo(),
             Command::Redo => self.document.can_redo(),
@@ -22,6 +27,8 @@ impl Session {
             Command::Back | Command::First => self.seen() > run.progress.oldest,
             Command::Forward | Command::Last => run.at.is_some(),
             Command::Restart => run.at.is_some_and(|k| k < run.progress.iteration),
+            Command::RunBefore => run.branches.around()[0],
+            Command::RunAfter => run.branches.around()[1],
             Command::Measure => run.problem.is_some() && !self.asides.pareto.is_underway(),
             Command::KeepRun => run.curves.iter().any(|curves| !curves.rows.is_empty()),
             _ => true,
@@ -34,6 +41,10 @@ impl Session {
         let levels = self.run.progress.levels.max(1);
         let view = &mut self.settings.view;
         let level = if let Layer::Level(level) = view.layer { level } else { 0 };
+        if let Some(workspace) = command.workspace() {
+            self.settings.workspace = workspace;
+            return true;
+        }
         match command {
             Command::Undo => self.document.undo(),
             Command::Redo => self.document.redo(),
@@ -43,7 +54,7 @@ impl Session {
             Command::Propagate => self.next(),
             Command::Merge => self.act(Action::Merge),
             Command::RunAll => {
-                let iteration = self.document.preset.propagation.iterations;
+                let iteration = self.document.preset.actions();
                 self.load(Start::To { iteration, merge: true });
             }
             Command::Rerun => self.run_again(),
@@ -59,9 +70,10 @@ impl Session {
             Command::Last => self.run.at = None,
             Command::Restart => {
                 let k = self.seen();
-                self.run.at = None;
-                self.run.send(Order::Restart(k));
+                self.run.restart(k);
             }
+            Command::RunBefore => self.run.send(Order::Back),
+            Command::RunAfter => self.run.send(Order::Forward),
             Command::SliceDown => view.index = view.index.saturating_sub(1),
             Command::SliceUp => view.index = (view.index + 1).min(side - 1),
             Command::NextAxis => view.axis = Axis::ALL[(view.axis.across() + 1) % 3],
@@ -72,6 +84,10 @@ impl Session {
             }
             Command::Merged => {
                 view.layer = if view.layer == Layer::Merged { Layer::Level(0) } else { Layer::Merged };
+            }
+            Command::NextPaint => {
+                let at = Paint::ALL.iter().position(|paint| *paint == view.paint).unwrap_or_default();
+                view.paint = Paint::ALL[(at + 1) % Paint::ALL.len()];
             }
             Command::Grids => view.stage = Stage::Grids,
             Command::Compare => self.compare(),
@@ -84,6 +100,12 @@ impl Session {
                 self.measure();
             }
             Command::KeepRun => self.run.keep(),
+            Command::SelectTool => self.tool = Tool::Select,
+            Command::LightTool => self.tool = Tool::Light,
+            Command::OccluderTool => self.tool = Tool::Occluder,
+            Command::ProbeTool => self.tool = Tool::Probe,
+            Command::FoldScene => self.settings.folds.turn_scene(self.size),
+            Command::FoldPlots => self.settings.folds.turn_plots(self.size),
             _ => return false,
         }
         true
@@ -94,7 +116,7 @@ impl Session {
         self.settings.view.stage = Stage::Compare;
         if self.comparison.others.is_empty() {
             let stale = self.is_stale();
-            self.comparison.add(&self.document.preset.propagation);
+            self.comparison.begin(&self.document.preset);
             // Edits that wait to be run are not run behind the researcher's back.
             if !stale {
                 self.run_again();
@@ -131,7 +153,7 @@ impl Session {
     /// Begins to play, from the start where the end is seen; or pauses.
     fn start_or_pause(&mut self) {
         let progress = &self.run.progress;
-        let ended = self.run.at.is_none() && progress.iteration >= self.document.preset.propagation.iterations;
+        let ended = self.run.at.is_none() && progress.iteration >= self.document.preset.actions();
         if self.run.is_playing() {
             self.run.playing = None;
             return;
@@ -158,7 +180,7 @@ impl Session {
         let (oldest, latest) = (progress.oldest, progress.iteration);
         match self.run.at {
             Some(k) => self.scrub(k + 1),
-            None if latest < self.document.preset.propagation.iterations => self.act(Action::Propagate),
+            None if latest < self.document.preset.actions() => self.act(Action::Propagate),
             None if self.settings.looping && oldest < latest => self.run.at = Some(oldest),
             None => {
                 self.run.playing = None;

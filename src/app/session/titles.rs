@@ -36,7 +36,7 @@ impl Session {
                 format!("k = {} minus k = {}", shown.iteration, other.iteration.unwrap_or(latest))
             }
             (Stage::Compare, None) => format!("k = {}:  {} {symbol}{forgotten}", shown.iteration, light.name()),
-            _ => format!("{}  {}{forgotten}", light.name(), light.symbol(shown.iteration)),
+            _ => format!("{}  {}{forgotten}  ·  {}", light.name(), light.symbol(shown.iteration), light.about()),
         }
     }
 }

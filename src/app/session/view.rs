@@ -33,6 +33,41 @@ impl Scaling {
     }
 }
 
+/// Which glyph fills its cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Fill {
+    /// The brightest of all iterations, so that light can be seen to fade.
+    #[default]
+    Run,
+    /// The brightest that is seen.
+    Frame,
+    /// That of a chosen intensity.
+    Fixed,
+}
+
+impl Fill {
+    /// All of them.
+    pub const ALL: [Fill; 3] = [Fill::Run, Fill::Frame, Fill::Fixed];
+
+    /// Its name on screen.
+    pub fn name(self) -> &'static str {
+        match self {
+            Fill::Run => "Scale per run",
+            Fill::Frame => "Scale per frame",
+            Fill::Fixed => "Fixed scale",
+        }
+    }
+
+    /// What it means, in a line.
+    pub fn about(self) -> &'static str {
+        match self {
+            Fill::Run => "The brightest glyph of all iterations fills its cell: light can be seen to fade",
+            Fill::Frame => "The brightest glyph that is seen fills its cell: every iteration looks as bright",
+            Fill::Fixed => "The intensity that fills a cell is chosen",
+        }
+    }
+}
+
 /// What lies under the glyphs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Heat {
@@ -78,7 +113,17 @@ pub enum Workspace {
 
 impl Workspace {
     /// Those that there is something in.
-    pub const FILLED: &[Workspace] = &[Workspace::Light];
+    pub const FILLED: &[Workspace] = &[Workspace::Light, Workspace::Scene];
+
+    /// Its name on screen.
+    pub fn name(self) -> &'static str {
+        match self {
+            Workspace::Light => "Light",
+            Workspace::Scene => "Scene",
+            Workspace::Picture => "Picture",
+            Workspace::Study => "Study",
+        }
+    }
 }
 
 /// The middle of the window.
@@ -108,20 +153,24 @@ pub struct View {
     pub index: usize,
     /// How intensities become radii.
     pub scaling: Scaling,
-    /// Whether the scale follows the light.
-    pub fit: bool,
-    /// The intensity that fills a cell where the scale does not follow.
+    /// Which glyph fills its cell.
+    pub fill: Fill,
+    /// The intensity that fills a cell where it is chosen.
     pub full: f32,
     /// The powers of ten that a logarithmic scale spans.
     pub decades: f32,
     /// What a glyph's colour tells.
     #[serde(with = "super::place")]
     pub paint: Paint,
+    /// Whether light that has hues is shown in its own colours where directions would be told.
+    pub hues: bool,
     /// Which colour of the light glyphs show.
     #[serde(with = "super::place")]
     pub hue: Hue,
     /// Whether negative lobes are drawn.
     pub negative: bool,
+    /// Whether each cell's middle and the direction of its flux are marked.
+    pub flux: bool,
     /// What lies under the glyphs.
     pub heat: Heat,
     /// Whether glyphs are drawn.
@@ -144,16 +193,18 @@ impl Default for View {
             axis: Axis::Z,
             index: 16,
             scaling: Scaling::Log,
-            fit: true,
+            fill: Fill::Run,
             full: 0.1,
             decades: 4.0,
-            paint: Paint::Single,
+            paint: Paint::Direction,
+            hues: true,
             hue: Hue::Mean,
             negative: true,
+            flux: true,
             heat: Heat::None,
             glyphs: true,
             cells: true,
-            levels: false,
+            levels: true,
             occluders: true,
             linked: true,
         }

@@ -5,7 +5,7 @@ mod cloud;
 
 use std::sync::Arc;
 
-use crate::app::worker::look::{Layer, Light, Look, Of, Pane, Pin, PinSample, Shown, State};
+use crate::app::worker::look::{Layer, Light, Look, Of, Pane, Shown, State};
 use crate::app::worker::track::Track;
 use crate::field::{Channels, Grid, Octree, downsample_into};
 use crate::report::slice::{Plane, Slice};
@@ -60,7 +60,9 @@ fn cut(tracks: &mut [Track], references: &References, pane: Pane, look: &Look) -
     let index = (0..side * side).map(|i| state.index().index(finest(i)) as u8).collect();
     let in_cut = state.problem().solids.iter().filter(|b| b.cell[plane.axis.across()] == plane.index);
     let occupied = in_cut.map(|b| [b.cell[plane.axis.columns()], b.cell[plane.axis.rows()]]).collect();
-    Some(Shown { pane, iteration: state.iteration(), forgotten, slice: Arc::new(slice), errors, index, occupied })
+    let slice = Arc::new(slice);
+    let of_run = None;
+    Some(Shown { pane, iteration: state.iteration(), forgotten, slice, of_run, errors, index, occupied })
 }
 
 /// What is taken away from a view.
@@ -98,7 +100,7 @@ fn flat(grids: &[Grid<f32>], channels: &Channels, layer: Layer, plane: Plane) ->
 }
 
 /// A channel's octree.
-fn octree(light: &crate::simulation::Light<f32>, which: Light) -> &Octree<f32> {
+pub fn octree(light: &crate::simulation::Light<f32>, which: Light) -> &Octree<f32> {
     match which {
         Light::Source => &light.source,
         Light::Target => &light.target,
@@ -110,7 +112,8 @@ fn octrees(simulation: &Simulation<f32>, light: Light) -> Vec<&Octree<f32>> {
     simulation.lights().iter().map(|channel| octree(channel, light)).collect()
 }
 
-fn slice(simulation: &Simulation<f32>, light: Light, layer: Layer, plane: Plane) -> Slice {
+/// What a cut through one octree shows.
+pub fn slice(simulation: &Simulation<f32>, light: Light, layer: Layer, plane: Plane) -> Slice {
     let octrees = octrees(simulation, light);
     match layer {
         Layer::Merged => Slice::merged(&octrees, simulation.index(), simulation.channels(), plane),
@@ -127,19 +130,8 @@ fn slice(simulation: &Simulation<f32>, light: Light, layer: Layer, plane: Plane)
 }
 
 /// A cell's red, green and blue from the channels that are carried.
-fn mix(simulation: &Simulation<f32>, channel: impl Fn(usize) -> Sh<f32>) -> [Sh<f32>; 3] {
+pub fn mix(simulation: &Simulation<f32>, channel: impl Fn(usize) -> Sh<f32>) -> [Sh<f32>; 3] {
     simulation.channels().rgb().map(|share| channel(share.channel) * share.scale as f32)
-}
-
-/// What a pinned cell holds in a state.
-pub fn sample(state: &Simulation<f32>, pin: Pin) -> Option<PinSample> {
-    let side = state.sizes().side(pin.level);
-    if pin.level >= state.sizes().count() || pin.cell.iter().any(|c| *c >= side) {
-        return None;
-    }
-    let of =
-        |which: Light| mix(state, |channel| octree(&state.lights()[channel], which).level(pin.level).get(pin.cell));
-    Some(PinSample { iteration: state.iteration(), source: of(Light::Source), accumulated: of(Light::Accumulated) })
 }
 
 #[cfg(test)]
@@ -171,6 +163,7 @@ pub(in crate::app) mod tests {
             layer,
             plane: Plane { axis: Axis::Z, index: 2 },
             against: Expectation::Corrected,
+            brightest: Default::default(),
             cloud,
         }
     }

@@ -2,15 +2,19 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, RecvError, Sender, TryRecvError};
+use std::sync::mpsc::{Receiver, RecvError, RecvTimeoutError, Sender, TryRecvError};
 use std::time::{Duration, Instant};
 
+use crate::app::worker::branches::{Branch, Branches};
 use crate::app::worker::cut;
 use crate::app::worker::ledger::Ledger;
 use crate::app::worker::look::{Look, Pin};
+use crate::app::worker::peaks::Peaks;
+use crate::app::worker::received::{self, Senders};
 use crate::app::worker::track::{self, Track};
 use crate::app::worker::{Load, News, Order, Progress, Start};
 use crate::scene::Problem;
+use crate::scene::stage::Cache;
 use crate::simulation::{Action, Change};
 use crate::study::expectation::{Expectation, References};
 use crate::transport::ballistic::Ballistic;
@@ -20,6 +24,9 @@ const BETWEEN_PICTURES: Duration = Duration::from_millis(30);
 /// Volumes up to this side are measured by every metric, so that curves are there when they are asked for; larger
 /// ones only by the metric that is seen.
 const MEASURED_BY_ALL: usize = 64;
+
+/// How long no order comes before a large volume is measured.
+const QUIET: Duration = Duration::from_millis(350);
 
 /// A run in progress.
 #[derive(Clone, Copy, Debug)]
@@ -42,12 +49,20 @@ pub struct Desk {
     merged: bool,
     brightest: [usize; 3],
     seconds: f64,
+    /// What the last action took with each propagator, in seconds.
+    each: Vec<f64>,
     pictured: Option<Instant>,
     /// What is measured against; it is that of the scene that runs.
     references: References,
     /// The metric that is seen.
     metric: Option<Expectation>,
     measured: Ledger,
+    peaks: Peaks,
+    /// What the window knows the present run by.
+    tag: u64,
+    branches: Branches,
+    /// What scenes with a mesh were made from: a light that moves makes nothing anew but its own map.
+    cache: Cache,
 }
 
 impl Desk {
@@ -71,21 +86,31 @@ impl Desk {
             merged: false,
             brightest: [0; 3],
             seconds: 0.0,
+            each: Vec::new(),
             pictured: None,
             references: References::default(),
             metric: None,
             measured: Ledger::default(),
+            peaks: Peaks::default(),
+            tag: 0,
+            branches: Branches::default(),
+            cache: Cache::default(),
         }
     }
 
     /// Works until the window is gone.
     pub fn work(mut self) {
         while let Ok(orders) = self.wait() {
-            if catch_unwind(AssertUnwindSafe(|| self.turn(orders))).is_err() {
+            let turn = || {
+                self.turn(orders);
+                (self.wake)();
+            };
+            if catch_unwind(AssertUnwindSafe(turn)).is_err() {
                 // What the panic left half done is not to be shown.
                 self.tracks.clear();
                 self.run = None;
                 self.tell(News::Failed("the computation broke down; edit the scene or run it again".to_owned()));
+                (self.wake)();
             }
         }
     }
@@ -95,6 +120,13 @@ impl Desk {
         let mut orders = Vec::new();
         if self.run.is_none() && self.behind() == 0 {
             orders.push(self.inbox.recv()?);
+        } else if self.run.is_none() && self.is_large() {
+            // Whoever steps through a large volume is not to wait for its errors.
+            match self.inbox.recv_timeout(QUIET) {
+                Ok(order) => orders.push(order),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return Err(RecvError),
+            }
         }
         loop {
             match self.inbox.try_recv() {
@@ -148,17 +180,21 @@ impl Desk {
                 self.tell_progress(None);
                 self.picture(false);
             }
-            Order::Restart(k) => {
+            Order::Restart(k, tag) => {
                 self.run = None;
+                self.branch(tag);
                 let back = self.tracks.iter_mut().all(|track| track.restart(k));
                 if !back {
                     self.tell(News::Failed(format!("iteration {k} is no longer remembered; run the scene again")));
                 }
                 self.merged = false;
                 self.measured.forget_from(self.iteration() + 1);
+                self.peaks.forget_from(self.iteration() + 1);
                 self.tell_progress(None);
                 self.picture(false);
             }
+            Order::Back => self.exchange(Branches::back),
+            Order::Forward => self.exchange(Branches::forward),
             Order::Look(look) => {
                 self.look = Some(look);
                 self.picture(false);
@@ -199,9 +235,14 @@ impl Desk {
         self.measured.forget(Expectation::Ballistic);
     }
 
+    /// Whether measuring takes longer than the eye waits.
+    fn is_large(&self) -> bool {
+        self.tracks.first().is_some_and(|track| track.now().sizes().finest() > MEASURED_BY_ALL)
+    }
+
     /// What is measured, what is seen first.
     fn metrics(&self) -> Vec<Expectation> {
-        let small = self.tracks.first().is_some_and(|track| track.now().sizes().finest() <= MEASURED_BY_ALL);
+        let small = !self.is_large();
         let others = Expectation::ALL.into_iter().filter(|metric| small && Some(*metric) != self.metric);
         let possible = |metric: &Expectation| metric.is_ready(&self.references);
         self.metric.into_iter().chain(others).filter(possible).collect()
@@ -242,19 +283,68 @@ impl Desk {
         self.tell(News::Measured { iteration, metric, errors, behind: self.behind() });
     }
 
-    fn load(&mut self, load: &Load) {
-        self.tracks.clear();
-        self.measured = Ledger::default();
+    /// The present run, out of the way.
+    fn take_present(&mut self) -> Branch {
+        Branch {
+            tag: self.tag,
+            tracks: std::mem::take(&mut self.tracks),
+            measured: std::mem::take(&mut self.measured),
+            merged: std::mem::take(&mut self.merged),
+            brightest: self.brightest,
+        }
+    }
+
+    /// Goes on as the run `tag`; what is there stays as the branch that is left.
+    fn branch(&mut self, tag: u64) {
+        let (tracks, measured) = (self.tracks.clone(), self.measured.clone());
+        let left = self.take_present();
+        (self.tracks, self.measured, self.tag) = (tracks, measured, tag);
+        self.branches.leave(left, self.budget);
+        self.tell(News::Branches(self.branches.tags()));
+    }
+
+    /// Exchanges the present run for the one before or after it.
+    fn exchange(&mut self, with: impl FnOnce(&mut Branches, Branch) -> Branch) {
         self.run = None;
-        self.merged = false;
+        let present = self.take_present();
+        let Branch { tag, tracks, measured, merged, brightest } = with(&mut self.branches, present);
+        (self.tag, self.tracks, self.measured) = (tag, tracks, measured);
+        (self.merged, self.brightest) = (merged, brightest);
+        self.peaks = Peaks::default();
+        let each = self.budget / self.tracks.len().max(1);
+        self.tracks.iter_mut().for_each(|track| track.set_budget(each));
+        self.tell(News::Returned(tag));
+        self.tell(News::Branches(self.branches.tags()));
+        self.turn_to();
+        self.tell_progress(None);
+        self.picture(false);
+    }
+
+    /// Turns to the problem of the present run: what truly arrives in another is of no use to it.
+    fn turn_to(&mut self) {
+        let Some(track) = self.tracks.first() else { return };
+        let problem = Arc::clone(track.now().problem());
+        self.references.turn_to(&problem);
+        self.tell(News::Loaded(problem));
+    }
+
+    fn load(&mut self, load: &Load) {
+        let left = self.take_present();
+        self.tag = load.tag;
+        if load.leave {
+            self.branches.leave(left, self.budget);
+            self.tell(News::Branches(self.branches.tags()));
+        } else {
+            drop(left);
+        }
+        self.peaks = Peaks::default();
+        self.run = None;
         match self.tracks_of(load) {
             Ok(tracks) => self.tracks = tracks,
             Err(line) => return self.tell(News::Failed(line)),
         }
-        let problem = Arc::clone(self.tracks[0].now().problem());
-        self.references.turn_to(&problem);
-        self.brightest = std::array::from_fn(|axis| problem.brightest_slab(axis));
-        self.tell(News::Loaded(problem));
+        self.brightest = std::array::from_fn(|axis| self.tracks[0].now().problem().brightest_slab(axis));
+        self.turn_to();
         match load.start {
             Start::Dark => self.tell_progress(None),
             Start::To { iteration, merge } => {
@@ -267,7 +357,8 @@ impl Desk {
     }
 
     fn tracks_of(&self, load: &Load) -> Result<Vec<Track>, String> {
-        let problem = Problem::build(&load.preset, &load.folder).map_err(|error| error.to_string())?;
+        let problem = Problem::build_with(&load.preset, &load.folder, &self.cache, &mut |_| {})
+            .map_err(|error| error.to_string())?;
         let others = load.others.iter().filter_map(|rival| rival.problem(&problem));
         let problems: Vec<Problem> = std::iter::once(problem.clone()).chain(others).collect();
         let budget = self.budget / problems.len();
@@ -290,9 +381,14 @@ impl Desk {
     fn act(&mut self, action: Action) {
         let started = Instant::now();
         let mut first = None;
+        let mut each = Vec::with_capacity(self.tracks.len());
         for track in &mut self.tracks {
-            first = first.or(Some(track.act(action)));
+            let begun = Instant::now();
+            let change = track.act(action);
+            each.push(begun.elapsed().as_secs_f64());
+            first = first.or(Some(change));
         }
+        self.each = each;
         self.seconds = started.elapsed().as_secs_f64();
         let Some(change) = first else { return };
         // A propagator whose light diverges keeps its last good state, and the run ends there.
@@ -303,6 +399,7 @@ impl Desk {
         }
         if action != Action::Merge {
             self.measured.forget_from(self.iteration());
+            self.peaks.forget_from(self.iteration());
         }
         self.merged = action == Action::Merge || (self.merged && !change.accumulated);
         self.tell_progress(Some(change));
@@ -328,7 +425,8 @@ impl Desk {
             work: track.now().work(),
             behind: self.behind(),
         };
-        self.tell(News::Done { change, progress });
+        let each = if change.is_some() { self.each.clone() } else { Vec::new() };
+        self.tell(News::Done { change, progress, each });
     }
 
     /// Sends what is to be seen; a run in progress does not send more pictures than can be watched.
@@ -338,7 +436,10 @@ impl Desk {
         }
         self.tell_pin();
         let Some(look) = self.look.clone() else { return };
-        let panes = cut::panes(&mut self.tracks, &self.references, &look);
+        let mut panes = cut::panes(&mut self.tracks, &self.references, &look);
+        for shown in &mut panes {
+            shown.of_run = self.peaks.of_run(&self.tracks, shown.pane, &look);
+        }
         let cloud = cut::cloud(&mut self.tracks, &look);
         self.pictured = Some(Instant::now());
         self.tell(News::Shown { look, panes, cloud });
@@ -346,14 +447,15 @@ impl Desk {
 
     fn tell_pin(&mut self) {
         let (Some(pin), Some(track)) = (self.pin, self.tracks.first()) else { return };
-        let samples = track.states().filter_map(|state| cut::sample(state, pin)).collect();
+        let senders = Senders::of(track.now().problem(), track.now().sizes().count());
+        let samples = track.states().filter_map(|state| received::sample(state, pin, senders.as_ref())).collect();
         self.tell(News::Pinned(pin, samples));
     }
 
+    /// Tells something; the window is woken at the end of the turn, so that it draws once for all that it heard.
     fn tell(&self, news: News) {
         // Without a window there is nobody to tell; the next wait ends the work.
         let _ = self.outbox.send((self.generation, news));
-        (self.wake)();
     }
 }
 
@@ -361,8 +463,7 @@ impl Desk {
 /// and all but the last look.
 fn newest(mut orders: Vec<(u64, Order)>) -> Vec<(u64, Order)> {
     if let Some(load) = orders.iter().rposition(|(_, order)| matches!(order, Order::Load(_))) {
-        let outlasts =
-            |order: &Order| !matches!(order, Order::Load(_) | Order::Act(_) | Order::Stop | Order::Restart(_));
+        let outlasts = |order: &Order| !matches!(order, Order::Load(_) | Order::Act(_) | Order::Stop);
         let mut at = 0;
         orders.retain(|(_, order)| {
             at += 1;

@@ -4,21 +4,29 @@
 //! every fourth; those in between are computed again from the one before them when they are asked for,
 //! which gives the same bits. A state that something other than a propagation has changed cannot be
 //! computed again, so it is kept as long as any older one is.
+//!
+//! A copy of a large state takes longer than an iteration. Of those only every fourth is kept to begin with: what lies
+//! between is at most three iterations away.
 
-use crate::sh::Real;
+use std::sync::Arc;
+
 use crate::simulation::{Action, Simulation};
 
-/// A state that is kept.
-#[derive(Debug)]
+/// The size from which states are large, in bytes, and how many iterations apart those are kept.
+const LARGE: usize = 48 << 20;
+const APART: usize = 4;
+
+/// A state that is kept; branches of a run share it.
+#[derive(Clone, Debug)]
 struct Kept {
-    state: Simulation<f32>,
+    state: Arc<Simulation<f32>>,
     bytes: usize,
     /// Whether it cannot be computed again from the one before it.
     fixed: bool,
 }
 
 /// The past states of a simulation, oldest first.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct History {
     kept: Vec<Kept>,
     /// The state last asked for that had to be computed again.
@@ -54,14 +62,17 @@ impl History {
     /// Takes note of a state; `fixed` where it cannot be computed again from the one before.
     pub fn keep(&mut self, state: &Simulation<f32>, fixed: bool) {
         self.truncate(state.iteration());
-        let bytes = bytes(state);
+        let bytes = state.bytes();
         if bytes > self.budget {
             // Not even one has room: a copy of it would only be in the way.
             self.kept.clear();
             return;
         }
+        if bytes > LARGE {
+            self.stride = self.stride.max(APART);
+        }
         if fixed || state.iteration().is_multiple_of(self.stride) {
-            self.kept.push(Kept { bytes, state: state.clone(), fixed });
+            self.kept.push(Kept { bytes, state: Arc::new(state.clone()), fixed });
             self.fit();
         }
     }
@@ -70,10 +81,10 @@ impl History {
     pub fn at(&mut self, k: usize) -> Option<&Simulation<f32>> {
         let nearest = self.kept.iter().rposition(|kept| kept.state.iteration() <= k)?;
         if self.kept[nearest].state.iteration() == k {
-            return self.kept.get(nearest).map(|kept| &kept.state);
+            return self.kept.get(nearest).map(|kept| kept.state.as_ref());
         }
         if self.again.as_ref().is_none_or(|state| state.iteration() != k) {
-            let mut state = self.kept[nearest].state.clone();
+            let mut state = Simulation::clone(&self.kept[nearest].state);
             while state.iteration() < k {
                 state.act(Action::Propagate);
             }
@@ -89,7 +100,7 @@ impl History {
 
     /// The states that are kept, oldest first.
     pub fn states(&self) -> impl Iterator<Item = &Simulation<f32>> {
-        self.kept.iter().map(|kept| &kept.state)
+        self.kept.iter().map(|kept| kept.state.as_ref())
     }
 
     /// The first iteration that [`History::at`] can give.
@@ -117,15 +128,6 @@ impl History {
     }
 }
 
-/// Bytes of memory that a simulation's light takes.
-pub fn bytes<T: Real>(simulation: &Simulation<T>) -> usize {
-    let of_light = simulation.lights().iter().map(|light| {
-        let merged = light.merged.as_ref().map_or(0, |grid| grid.bytes());
-        light.source.bytes() + light.target.bytes() + light.accumulated.bytes() + merged
-    });
-    of_light.sum::<usize>() + simulation.bytes_under_way() + simulation.index().bytes()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -143,14 +145,14 @@ mod tests {
     #[test]
     fn what_was_thinned_out_comes_back_to_the_last_bit() {
         let mut simulation = started();
-        let mut past = History::new(4 * bytes(&simulation));
+        let mut past = History::new(4 * simulation.bytes());
         let mut truth = Vec::new();
         for k in 0..12 {
             past.keep(&simulation, k == 0);
             truth.push(simulation.clone());
             simulation.act(Action::Propagate);
         }
-        assert!(past.bytes() <= 4 * bytes(&simulation));
+        assert!(past.bytes() <= 4 * simulation.bytes());
         assert!(past.states().count() < 12);
         assert_eq!(past.oldest(), Some(0));
         for (k, state) in truth.iter().enumerate() {
@@ -161,7 +163,7 @@ mod tests {
     #[test]
     fn a_state_that_cannot_be_computed_again_stays() {
         let mut simulation = started();
-        let mut past = History::new(4 * bytes(&simulation));
+        let mut past = History::new(4 * simulation.bytes());
         for k in 0..12 {
             if k == 5 {
                 simulation.act(Action::Inject);

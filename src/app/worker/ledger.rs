@@ -7,7 +7,7 @@ use std::ops::RangeInclusive;
 use crate::study::expectation::Expectation;
 
 /// What has been measured.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Ledger {
     done: HashMap<Expectation, BTreeSet<usize>>,
 }

@@ -4,10 +4,12 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::report::glyph::Hue;
 use crate::report::slice::{Plane, Slice};
 use crate::sh::Sh;
 use crate::study::error::CellError;
 use crate::study::expectation::Expectation;
+use crate::transport::lattice::face::Direction;
 
 /// One of the three octrees.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -34,11 +36,20 @@ impl Light {
         }
     }
 
+    /// What it is for, in a few words.
+    pub fn about(self) -> &'static str {
+        match self {
+            Light::Source => "what the next iteration sends on",
+            Light::Target => "what the next iteration writes over",
+            Light::Accumulated => "the sum of all so far",
+        }
+    }
+
     /// Its symbol after iteration `k`, where there is little room.
     pub fn letter(self, k: usize) -> String {
         match self {
-            Light::Source => format!("S_{k}"),
-            Light::Target => k.checked_sub(1).map_or("empty".to_owned(), |k| format!("S_{k}")),
+            Light::Source => snapshot(k),
+            Light::Target => k.checked_sub(1).map_or("empty".to_owned(), snapshot),
             Light::Accumulated => "S_A".to_owned(),
         }
     }
@@ -46,14 +57,20 @@ impl Light {
     /// Its symbol after iteration `k`.
     pub fn symbol(self, k: usize) -> String {
         match self {
-            Light::Source => format!("S_{k}"),
+            Light::Source => snapshot(k),
             Light::Target if k == 0 => "empty until the first iteration".to_owned(),
-            Light::Target => format!("S_{}", k - 1),
-            Light::Accumulated if k == 0 => "S_A = S_0".to_owned(),
-            Light::Accumulated if k == 1 => "S_A = S_0 + S_1".to_owned(),
-            Light::Accumulated => format!("S_A = S_0 + … + S_{k}"),
+            Light::Target => snapshot(k - 1),
+            Light::Accumulated if k == 0 => "S_A = S₀".to_owned(),
+            Light::Accumulated if k == 1 => "S_A = S₀ + S₁".to_owned(),
+            Light::Accumulated => format!("S_A = S₀ + … + {}", snapshot(k)),
         }
     }
+}
+
+/// S with its number below the line.
+fn snapshot(k: usize) -> String {
+    let below = |digit: char| char::from_u32('₀' as u32 + digit.to_digit(10).unwrap_or_default()).unwrap_or(digit);
+    std::iter::once('S').chain(k.to_string().chars().map(below)).collect()
 }
 
 /// A level of the octree, or all of them merged by the index volume.
@@ -123,6 +140,21 @@ pub struct CloudAsk {
     pub threshold: f32,
 }
 
+/// Which glyph is the one that fills its cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Brightest {
+    /// What of coloured light counts.
+    pub hue: Hue,
+    /// The share of glyphs that may not be larger: 1 for all of them.
+    pub quantile: f32,
+}
+
+impl Default for Brightest {
+    fn default() -> Self {
+        Brightest { hue: Hue::Mean, quantile: 1.0 }
+    }
+}
+
 /// All that is to be seen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
@@ -134,6 +166,8 @@ pub struct Look {
     pub plane: Plane,
     /// What cells' errors are against.
     pub against: Expectation,
+    /// Which glyph fills its cell.
+    pub brightest: Brightest,
     /// The three-dimensional view, if it is open.
     pub cloud: Option<CloudAsk>,
 }
@@ -149,6 +183,8 @@ pub struct Shown {
     pub forgotten: bool,
     /// The light.
     pub slice: Arc<Slice>,
+    /// The intensity that makes the brightest glyph of all iterations at hand fill its cell, where there is one.
+    pub of_run: Option<f32>,
     /// The error of each of the slice's cells. Differences have none, and level 0 has none but against what truly
     /// arrives.
     pub errors: Vec<Option<CellError>>,
@@ -167,6 +203,8 @@ pub struct CloudCell {
     pub span: f32,
     /// Its light in red, green and blue.
     pub light: [Sh<f32>; 3],
+    /// The cell that it was sampled from.
+    pub pin: Pin,
 }
 
 /// The three-dimensional view as it is.
@@ -178,8 +216,13 @@ pub struct Cloud {
     pub cells: Vec<CloudCell>,
     /// The middles of the occupied cells at the surface of occluders, in finest cells.
     pub occupied: Vec<[f32; 3]>,
+    /// Their side, in finest cells.
+    pub occupied_span: f32,
     /// Cells above the threshold that there was no room for.
     pub left_out: usize,
+    /// The level that is the finest shown, where there was no room for the cells of the level asked for, and how many
+    /// those are.
+    pub coarsened: Option<(usize, usize)>,
     /// The strongest cell's mean light, c00.
     pub strongest: f32,
 }
@@ -193,8 +236,19 @@ pub struct Pin {
     pub cell: crate::field::Cell,
 }
 
-/// What a pinned cell held after one iteration.
+/// What one neighbour sent.
 #[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sent {
+    /// The way that the light went, from the neighbour into the cell.
+    pub towards: Direction,
+    /// All that arrived, in red, green and blue.
+    pub light: [Sh<f32>; 3],
+    /// The mean of the colours' c00 that came to the face in each of [`Direction::ALL`], by where its lobe points.
+    pub faces: [f32; 6],
+}
+
+/// What a pinned cell held after one iteration.
+#[derive(Clone, Debug, PartialEq)]
 pub struct PinSample {
     /// The iteration.
     pub iteration: usize,
@@ -202,4 +256,6 @@ pub struct PinSample {
     pub source: [Sh<f32>; 3],
     /// S_A in red, green and blue.
     pub accumulated: [Sh<f32>; 3],
+    /// What its neighbours sent it, where light goes by a scheme.
+    pub received: Vec<Sent>,
 }

@@ -3,18 +3,24 @@
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 
 use super::Panels;
-use crate::app::draw::glyphs::Scales;
+use crate::app::draw::ball::Turn;
 use crate::app::draw::grids::{Grids, Pointed};
-use crate::app::draw::space::Space;
+use crate::app::draw::scales::Scales;
+use crate::app::draw::space::{Marks, Space};
 use crate::app::draw::style::theme;
-use crate::app::panels::{inspector, legend, notice, plots, runs, slices, space, view_bar};
+use crate::app::panels::button::fold_button;
+use crate::app::panels::{guide, inspector, legend, notice, plots, runs, slices, space, view_bar};
 use crate::app::session::Session;
-use crate::app::session::ask::Asks;
+use crate::app::session::ask::{Ask, Asks};
+use crate::app::session::command::Command;
+use crate::app::session::plots::Tab;
 use crate::app::session::view::{Stage, View};
 use crate::report::colour::Theme;
 
 /// The height from which the plots have a size of their own, in points.
 const TALL: f32 = 950.0;
+/// The width from which a cell's numbers stand beside the views, in points.
+const WIDE: f32 = 1250.0;
 
 /// The workspace's own state.
 #[derive(Default)]
@@ -24,23 +30,43 @@ pub struct Light {
     /// The scales of what is shown, with what they belong to.
     scales: Option<(View, u64, Scales)>,
     pointed: Option<Pointed>,
+    /// How the pinned cell's lobe is seen.
+    turn: Turn,
 }
 
 impl Panels for Light {
     fn ui(&mut self, ui: &mut Ui, session: &Session, asks: &mut Asks) {
-        // A taller window has more to give to both, but glyphs need the most. What a window was given while it was
-        // small is not what it is to have on a whole screen.
-        let height = ui.available_height();
-        let room = (height * 0.36).max(200.0);
-        let name = if height > TALL { "errors, tall" } else { "errors" };
-        Panel::bottom(name).default_size(room).size_range(90.0..=700.0).resizable(true).show(ui, |ui| {
-            plots::bar(ui, session, asks);
-            let theme = theme(ui.ctx());
-            Panel::right("inspector").exact_size(292.0).resizable(false).show(ui, |ui| {
-                inspector::ui(ui, session, self.pointed, &theme, asks);
+        let (width, height) = (ui.available_width(), ui.available_height());
+        let theme = theme(ui.ctx());
+        // A wide window has room for a cell's numbers from top to bottom, a narrow one beside the plots.
+        let beside = width > WIDE;
+        if beside {
+            Panel::right("inspector, tall").default_size(330.0).size_range(280.0..=480.0).show(ui, |ui| {
+                inspector::ui(ui, session, self.pointed, &mut self.turn, &theme, asks);
             });
-            plots::ui(ui, session);
-        });
+        }
+        if session.settings.folds.plots(session.size) {
+            Panel::bottom("plots, folded").exact_size(24.0).resizable(false).show(ui, |ui| {
+                ui.horizontal(|ui| {
+                    fold_button(ui, "⏶", Command::FoldPlots, asks);
+                    ui.weak("Errors, line and run time");
+                });
+            });
+        } else {
+            // A taller window has more to give to both, but glyphs need the most. What a window was given while it
+            // was small is not what it is to have on a whole screen.
+            let room = (height * 0.36).max(200.0);
+            let name = if height > TALL { "errors, tall" } else { "errors" };
+            Panel::bottom(name).default_size(room).size_range(90.0..=700.0).resizable(true).show(ui, |ui| {
+                plots::bar(ui, session, asks);
+                if !beside {
+                    Panel::right("inspector").exact_size(292.0).resizable(false).show(ui, |ui| {
+                        inspector::ui(ui, session, self.pointed, &mut self.turn, &theme, asks);
+                    });
+                }
+                plots::ui(ui, session, asks);
+            });
+        }
         Panel::top("view").show(ui, |ui| view_bar::ui(ui, session, asks));
         let ground = Frame::central_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
         CentralPanel::default().frame(ground).show(ui, |ui| self.stage(ui, session, asks));
@@ -65,6 +91,7 @@ impl Light {
         let scales = self.scales(session);
         Panel::bottom("legend").show_separator_line(false).frame(Frame::NONE).show(ui, |ui| {
             legend::ui(ui, &session.settings.view, &scales, &session.sight.shown, &theme);
+            guide::ui(ui, session, asks);
         });
         match session.settings.view.stage {
             Stage::Grids => self.flat(ui, session, &theme, &scales, asks),
@@ -101,7 +128,12 @@ impl Light {
             self.flat(ui, session, theme, scales, asks);
         });
         if let Some(cloud) = &session.sight.cloud {
-            self.space.ui(ui, cloud, session.sight.space.lobes, &session.settings.view, theme);
+            let line = (session.settings.plots.tab == Tab::Line).then(|| session.line_ends());
+            let marks = Marks { pin: session.sight.pin, line };
+            let lobes = session.sight.space.lobes;
+            if let Some(pin) = self.space.ui(ui, cloud, lobes, &session.settings.view, &marks, theme) {
+                asks.ask(Ask::Pin((session.sight.pin != Some(pin)).then_some(pin)));
+            }
         }
     }
 }

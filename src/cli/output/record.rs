@@ -8,7 +8,7 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Component, Path};
 
-use crate::system::file::{read_text, write_whole};
+use crate::system::file::{FileError, read_text, write_whole};
 use crate::system::text::one_line;
 
 /// The record's name in its folder.
@@ -46,20 +46,25 @@ impl Record {
     }
 
     /// Records a file that is about to be written. The first one sends away those of the run before.
-    pub(super) fn add(&mut self, folder: &Path, name: &str) -> io::Result<()> {
+    pub(super) fn add(&mut self, folder: &Path, name: &str) -> Result<(), FileError> {
+        let path = folder.join(NAME);
         if self.written.is_empty() {
             for earlier in self.earlier.drain(..) {
-                match fs::remove_file(folder.join(earlier)) {
-                    Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+                let earlier = folder.join(earlier);
+                match fs::remove_file(&earlier) {
+                    Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                        return Err(FileError::from_system(&earlier, &error));
+                    }
                     _ => {}
                 }
             }
             let of = self.of.as_deref().map_or(String::new(), |of| format!(" {}", one_line(of)));
-            write_whole(&folder.join(NAME), format!("of{of}\n").as_bytes()).map_err(io::Error::other)?;
+            write_whole(&path, format!("of{of}\n").as_bytes())?;
         }
         if self.written.insert(name.to_owned()) {
-            let mut record = File::options().append(true).open(folder.join(NAME))?;
-            record.write_all(format!("{name}\n").as_bytes())?;
+            let line = format!("{name}\n");
+            let written = File::options().append(true).open(&path).and_then(|mut file| file.write_all(line.as_bytes()));
+            written.map_err(|error| FileError::from_system(&path, &error))?;
         }
         Ok(())
     }

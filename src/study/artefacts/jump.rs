@@ -16,6 +16,7 @@ use crate::sh::Real;
 use crate::simulation::{Refusal, Simulation};
 use crate::study::light::Brightness;
 use crate::study::reference;
+use crate::transport::kind::Precision;
 
 /// The part of the uniform volume's brightest cell under which its light does not count.
 const LEAST: f64 = 1e-3;
@@ -36,7 +37,7 @@ pub struct Jump {
 ///
 /// # Errors
 /// Where memory is short.
-pub fn of<T: Real>(state: &Simulation<T>) -> Result<Option<Jump>, Refusal> {
+pub fn of<T: Precision>(state: &Simulation<T>) -> Result<Option<Jump>, Refusal> {
     if borders(state).next().is_none() {
         return Ok(None);
     }

@@ -15,10 +15,10 @@ use super::behind::Behind;
 use super::{Region, Shares, share};
 use crate::scene::Problem;
 use crate::scene::occluder::{Occlusion, OcclusionMode};
-use crate::sh::Real;
 use crate::simulation::options::Wanted;
 use crate::simulation::{Action, Refusal, Simulation};
 use crate::study::light::Brightness;
+use crate::transport::kind::Precision;
 
 /// The leak of a state that its problem's own iterations led to; `None` where nothing lies behind an occluder.
 ///
@@ -45,7 +45,7 @@ use crate::study::light::Brightness;
 ///
 /// # Errors
 /// Where memory is short: the same iterations are done once more without occluders.
-pub fn of<T: Real>(state: &Simulation<T>) -> Result<Option<Shares>, Refusal> {
+pub fn of<T: Precision>(state: &Simulation<T>) -> Result<Option<Shares>, Refusal> {
     let problem = state.problem();
     let Some(behind) = Behind::of(problem) else { return Ok(None) };
     let region = Region::new(behind.cells, &behind.others, state.sizes().count());
@@ -60,7 +60,7 @@ pub fn of<T: Real>(state: &Simulation<T>) -> Result<Option<Shares>, Refusal> {
 }
 
 /// A scene with its occluders switched off, after so many iterations.
-fn without_occluders<T: Real>(problem: &Problem, iterations: usize) -> Result<Simulation<T>, Refusal> {
+fn without_occluders<T: Precision>(problem: &Problem, iterations: usize) -> Result<Simulation<T>, Refusal> {
     let occlusion = Occlusion { mode: OcclusionMode::Off, ..problem.occlusion };
     let mut free = Simulation::<T>::new(Problem { occlusion, ..problem.clone() })?;
     for action in [Action::Clear, Action::Inject, Action::Downsample] {

@@ -1,6 +1,6 @@
 //! How far light has come from where it was injected.
 
-use crate::field::{Cell, Layout};
+use crate::field::Cell;
 use crate::scene::Problem;
 use crate::transport::lattice::face::Direction;
 
@@ -49,6 +49,7 @@ fn steps(n: usize, from: Vec<Cell>) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::field::Layout;
     use crate::scene::{Occlusion, Propagation, Source};
     use crate::sh::Sh;
     use glam::DVec3;
@@ -58,10 +59,11 @@ mod tests {
         Places::of(&Problem {
             size: 4,
             coarsest: 1,
-            sources: vec![Source { color: [1.0; 3], light: vec![([0; 3], Sh::lobe(DVec3::X))] }],
+            sources: vec![Source { color: [1.0; 3], light: vec![([0; 3], Sh::lobe(DVec3::X))], ..Source::default() }],
             solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation::default(),
+            ..Problem::default()
         })
     }
 

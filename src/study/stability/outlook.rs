@@ -49,6 +49,13 @@ pub fn exceeded(propagation: &Propagation, size: usize, coarsest: usize) -> Opti
     all.filter(|level| level.critical < propagation.factor).min_by(|a, b| a.critical.total_cmp(&b.critical))
 }
 
+/// Whether light is known at once to stay bounded, whatever the volume: each level's operator would bear the factor even
+/// if no light could leave. Where this is false light may still be bounded; [`exceeded`] finds out.
+pub fn surely_bounded(propagation: &Propagation, size: usize, coarsest: usize) -> bool {
+    let parts = parts(propagation, size, coarsest);
+    parts.is_some_and(|(_, _, operators)| operators.iter().all(|level| without_borders(&level.stencil) <= 1.0))
+}
+
 /// The outlook of every level of a scene, occluders aside: they remove light, and only a bounce, which
 /// the preset must ask for, gives some back. Empty where the scene cannot be run.
 pub fn levels(problem: &Problem) -> Vec<Outlook> {
@@ -142,10 +149,11 @@ mod tests {
         Problem {
             size,
             coarsest: 1,
-            sources: vec![Source { color: [1.0, 0.5, 0.0], light }],
+            sources: vec![Source { color: [1.0, 0.5, 0.0], light, ..Source::default() }],
             solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation { factor, ..Propagation::default() },
+            ..Problem::default()
         }
     }
 

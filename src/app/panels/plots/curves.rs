@@ -1,7 +1,9 @@
 //! The error plots on screen: curves over the iterations, as they grow.
 
-use egui::{Color32, Ui, Vec2, vec2};
-use egui_plot::{Corner, HoverPosition, Legend, Line, LineStyle, MarkerShape, Plot, PlotPoints, Points, VLine};
+use egui::{Align2, Color32, RichText, Ui, Vec2, vec2};
+use egui_plot::{
+    Corner, HoverPosition, Legend, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, Points, Text, VLine,
+};
 
 use crate::app::draw::axis::{decades, from_logarithm, iterations_apart};
 use crate::app::draw::ink::color;
@@ -31,6 +33,11 @@ pub fn ui(ui: &mut Ui, plots: &Plots, drawing: &Drawing) {
     let count = plots.measures().count();
     if count == 0 {
         ui.weak("Nothing is chosen to be drawn: see Curves.");
+    }
+    let iterated = drawing.runs.iter().flat_map(|run| &run.rows).any(|row| row.iteration > 0);
+    if !iterated {
+        ui.weak("Errors over the iterations appear here once light has moved: press Space for the next iteration.");
+        return;
     }
     let gap = 8.0;
     let each = vec2(((room.x + gap) / count.max(1) as f32 - gap).max(80.0), room.y.max(60.0));
@@ -78,7 +85,14 @@ fn plot(ui: &mut Ui, plots: &Plots, size: Vec2, measure: Measure, drawing: &Draw
                 };
                 // Of several runs the legend names each once: solid and broken lines are told apart above.
                 let name = if many { run.name.clone() } else { quantity.name.to_owned() };
+                let last = points.last().copied();
                 curve(plot, name, points, ink, quantity.dashed);
+                if let (true, false, Some([x, y])) = (many, quantity.dashed, last) {
+                    // Lines of like colours are told apart where they end.
+                    let text = RichText::new(&run.name).size(10.0).color(ink);
+                    let text = Text::new("", PlotPoint::new(x, y), text);
+                    plot.text(text.anchor(Align2::RIGHT_BOTTOM).allow_hover(false));
+                }
             }
         }
         let mark = VLine::new("", now as f64).color(color(theme.muted)).width(1.0);

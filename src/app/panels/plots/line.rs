@@ -6,7 +6,7 @@ use egui_plot::{HoverPosition, LineStyle, Plot, PlotPoint, PlotPoints, VLine};
 use super::rows::legend_row;
 use crate::app::draw::axis::{decades, from_logarithm, iterations_apart};
 use crate::app::draw::ink::color;
-use crate::app::panels::field::name;
+use crate::app::panels::field::{self, name};
 use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
 use crate::app::session::line::Course;
@@ -31,7 +31,7 @@ pub fn controls(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     let beside = if choice.upwards { axis.columns() } else { axis.rows() };
     let mut at = line.through[beside];
     let field = DragValue::new(&mut at).range(0..=session.run.progress.side.max(1) - 1).speed(0.1);
-    let field = ui.add(field.prefix(format!("{} = ", Axis::name(beside))));
+    let field = field::add(ui, field.prefix(format!("{} = ", Axis::name(beside))));
     name(&field.clone().on_hover_text("Which line of the slice, in finest cells"), "Line at");
     if field.changed() {
         choice.at = Some(at);

@@ -1,7 +1,7 @@
 //! Run time against error for the scene as it is: which scheme, how many iterations and which levels pay.
 
-use egui::{ComboBox, Ui};
-use egui_plot::{HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoints, Points};
+use egui::{Align2, ComboBox, RichText, Ui};
+use egui_plot::{HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, Points, Text};
 
 use super::rows::{legend_row, small_row};
 use crate::app::draw::axis::{decades, from_logarithm};
@@ -14,6 +14,7 @@ use crate::app::session::command::Command;
 use crate::app::session::pareto::{CHOICES, against, choice_name};
 use crate::report::colour::Theme;
 use crate::report::pareto_figure::{point, propagator_name, schemes};
+use crate::scene::Preset;
 use crate::scene::propagation::Policy;
 use crate::study::pareto::{Row, Treatment, front};
 
@@ -24,6 +25,9 @@ const TREATMENTS: [(Treatment, MarkerShape, &str); 4] = [
     (Treatment::Octree(Policy::Consistent), MarkerShape::Up, "⏶ consistent levels"),
     (Treatment::Converged, MarkerShape::Cross, "✖ fixed point, solved for"),
 ];
+
+/// How near to a point a click is meant for it, in points of the screen.
+const NEAR: f64 = 12.0;
 
 /// The controls over the plot.
 pub fn controls(ui: &mut Ui, session: &Session, asks: &mut Asks) {
@@ -55,7 +59,7 @@ pub fn controls(ui: &mut Ui, session: &Session, asks: &mut Asks) {
 }
 
 /// The plot.
-pub fn ui(ui: &mut Ui, session: &Session, theme: &Theme) {
+pub fn ui(ui: &mut Ui, session: &Session, theme: &Theme, asks: &mut Asks) {
     let rows = against(session.pareto_rows(), session.settings.plots.pareto);
     if rows.is_empty() {
         let text = "Measure runs every scheme with 1 to 32 iterations on the scene of this run (the finest level \
@@ -95,16 +99,50 @@ pub fn ui(ui: &mut Ui, session: &Session, theme: &Theme) {
         let beaten: Vec<[f64; 2]> = front(&rows).into_iter().map(logged).collect();
         let line = Line::new("what nothing beats", PlotPoints::new(beaten)).color(color(theme.ink)).width(1.2);
         plot.line(line.style(LineStyle::Solid).allow_hover(false));
+        for row in front(&rows) {
+            let [x, y] = logged(row);
+            let text = format!(" {}, k = {}", propagator_name(&row.propagator), row.iterations);
+            let text = RichText::new(text).size(10.0).color(color(theme.ink));
+            plot.text(Text::new("", PlotPoint::new(x, y), text).anchor(Align2::LEFT_BOTTOM).allow_hover(false));
+        }
         for (i, scheme) in schemes.iter().enumerate() {
             for (treatment, shape, _) in TREATMENTS {
                 let is_ours = |row: &&&Row| row.propagator.scheme == *scheme && row.treatment == treatment;
-                let points: Vec<[f64; 2]> = rows.iter().filter(is_ours).map(|row| logged(row)).collect();
+                let ours = rows.iter().filter(is_ours);
+                let points: Vec<[f64; 2]> = ours.map(|row| logged(row)).collect();
                 let points = Points::new(*scheme, PlotPoints::new(points)).shape(shape);
                 plot.points(points.radius(3.5).color(color(theme.curve(i))));
             }
         }
+        plot.pointer_coordinate().map(|at| (at, plot.transform().dpos_dvalue()))
     });
     name(&response.response, "Run time against error");
+    if let (true, Some((at, scale))) = (response.response.clicked(), response.inner) {
+        let away = |row: &&&Row| {
+            let [x, y] = logged(row);
+            ((x - at.x) * scale[0]).hypot((y - at.y) * scale[1])
+        };
+        let nearest = rows.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+        if let Some(row) = nearest.filter(|row| away(row) < NEAR) {
+            asks.ask(Ask::Preset(Box::new(loaded(&session.document.preset, row))));
+            asks.ask(Ask::Say(format!("Loaded {}", describe(row).replace('\n', ": "))));
+        }
+    }
+}
+
+/// The preset with the setting of a row.
+fn loaded(preset: &Preset, row: &Row) -> Preset {
+    let mut preset = preset.clone();
+    preset.propagation.scheme = row.propagator.scheme.to_owned();
+    preset.propagation.iterations = row.iterations;
+    if let Some(setting) = row.propagator.setting {
+        preset.propagation.ordinates = setting;
+    }
+    match row.treatment {
+        Treatment::Octree(policy) => preset.propagation.levels = policy,
+        Treatment::Uniform | Treatment::Converged => preset.coarsest = preset.size,
+    }
+    preset
 }
 
 /// What stands beside a point.

@@ -138,7 +138,7 @@ fn one(ui: &mut Ui, i: usize, injector: &mut Injector, size: usize, around: Surr
         }
         named_row(ui, "Multiplier", &full("multiplier"), |ui| {
             let range = 0.0..=LARGEST_MULTIPLIER;
-            ui.add(DragValue::new(&mut injector.multiplier).range(range).speed(0.02).max_decimals(6))
+            field::add(ui, DragValue::new(&mut injector.multiplier).range(range).speed(0.02).max_decimals(6))
         });
         named_row(ui, "Colour", &full("colour"), |ui| {
             let mut rgb = injector.color.map(|c| c as f32);

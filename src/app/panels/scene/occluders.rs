@@ -77,7 +77,7 @@ fn one(ui: &mut Ui, i: usize, occluder: &mut Occluder, size: usize, asks: &mut A
                 let hint = "The axis that it stands across";
                 named_choice(ui, "Axis", &full("axis"), hint, axis, &all, |axis| axis_name(*axis).to_owned());
                 named_row(ui, "At", &full("at"), |ui| {
-                    ui.add(DragValue::new(at).range(0..=size.saturating_sub(1)).speed(0.1))
+                    field::add(ui, DragValue::new(at).range(0..=size.saturating_sub(1)).speed(0.1))
                 });
             }
             OccluderKind::File { path } => {
@@ -100,7 +100,7 @@ fn one(ui: &mut Ui, i: usize, occluder: &mut Occluder, size: usize, asks: &mut A
             ui.horizontal(|ui| field::vector(ui, &full("normal"), normal));
         }
         named_row(ui, "Opacity", &full("opacity"), |ui| {
-            ui.add(DragValue::new(&mut occluder.opacity).range(0.0..=1.0).speed(0.01).max_decimals(4))
+            field::add(ui, DragValue::new(&mut occluder.opacity).range(0.0..=1.0).speed(0.01).max_decimals(4))
         });
         named_row(ui, "Albedo", &full("albedo"), |ui| {
             let mut rgb = occluder.albedo.map(|c| c as f32);

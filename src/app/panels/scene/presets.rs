@@ -2,7 +2,7 @@
 
 use egui::{Align, ComboBox, Layout, Ui};
 
-use crate::app::panels::button::button;
+use crate::app::panels::button::{button, fold_button};
 use crate::app::panels::field::name;
 use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks, Next};
@@ -14,10 +14,12 @@ pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     let line = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
     // From the right, so that the list takes what the buttons leave.
     ui.allocate_ui_with_layout(line, Layout::right_to_left(Align::Center), |ui| {
+        fold_button(ui, "⏴", Command::FoldScene, asks);
         button(ui, session, Command::Save, asks);
         button(ui, session, Command::Open, asks);
-        let mark = if session.document.is_saved() { "" } else { " *" };
-        let text = format!("{}{mark}", session.document.name());
+        // Before the name, where a long one does not cut it off.
+        let mark = if session.document.is_saved() { "" } else { "⏺ " };
+        let text = format!("{mark}{}", session.document.name());
         let list = ComboBox::from_id_salt("presets").selected_text(text).width(ui.available_width()).truncate();
         let list = list.show_ui(ui, |ui| {
             for (name, _) in builtin::PRESETS {
