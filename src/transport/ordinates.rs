@@ -255,9 +255,7 @@ mod tests {
 
     #[test]
     fn light_does_not_turn_back_nor_pass_a_closed_wall() {
-        let wall: Vec<Solid> = (0..64)
-            .map(|i| Solid { cell: [5, i % 8, i / 8], normal: DVec3::X, opacity: 1.0, albedo: [0.0; 3] })
-            .collect();
+        let wall: Vec<Solid> = (0..64).map(|i| Solid::new([5, i % 8, i / 8], DVec3::X, 1.0, [0.0; 3])).collect();
         let occluders = Transparency::new(8, &wall);
         for (lattice, count, rule) in KINDS {
             let arrived =

@@ -1,6 +1,7 @@
 //! What files are asked for.
 
 use super::command::Command;
+use crate::mesh::read::FORMATS;
 
 /// What a file is wanted for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,6 +16,8 @@ pub enum Purpose {
     Occluder(usize),
     /// A dump of a port.
     Dump,
+    /// The mesh of the scene.
+    Mesh,
     /// Save what an export command says.
     Export(Command),
 }
@@ -28,6 +31,7 @@ impl Purpose {
             Purpose::Injector(_) => "A file of light: CSV or .npy, beside the preset",
             Purpose::Occluder(_) => "A file of occupied cells: CSV, beside the preset",
             Purpose::Dump => "A dump of a port's grid: .npy of shape (n, n, n, 4), or CSV",
+            Purpose::Mesh => "A mesh: .obj, .gltf or .glb, beside the preset",
             Purpose::Export(command) => command.explanation(),
         }
     }
@@ -36,7 +40,7 @@ impl Purpose {
     pub fn verb(self) -> &'static str {
         match self {
             Purpose::Open => "Open",
-            Purpose::Injector(_) | Purpose::Occluder(_) | Purpose::Dump => "Use",
+            Purpose::Injector(_) | Purpose::Occluder(_) | Purpose::Dump | Purpose::Mesh => "Use",
             Purpose::SaveAs | Purpose::Export(_) => "Save to file",
         }
     }
@@ -57,6 +61,7 @@ impl Purpose {
             Purpose::Open | Purpose::SaveAs => &["ron"],
             Purpose::Injector(_) => &["csv", "npy"],
             Purpose::Dump => &["npy", "csv"],
+            Purpose::Mesh => &FORMATS,
             Purpose::Occluder(_) | Purpose::Export(Command::ExportCsv) => &["csv"],
             Purpose::Export(Command::ExportSvg) => &["svg"],
             Purpose::Export(Command::ExportPng | Command::ExportFilm | Command::ExportFrames) => &["png"],

@@ -30,9 +30,10 @@ impl<T: Real> Obstacles<T> {
         if !problem.has_occluders() {
             return None;
         }
-        let geometry = Geometry::new(sizes, &problem.solids);
         // Reflection is what a mirroring scheme is; in the others it is an extra that the preset asks for.
         let mirrors = scheme.surface == Surface::Mirrored;
+        let between = occlusion.mode == OcclusionMode::Fuzzy && !mirrors;
+        let geometry = Geometry::new(sizes, if between { problem.blockers() } else { &problem.solids });
         let (occluders, from_iteration) = match occlusion.mode {
             OcclusionMode::Hard => {
                 let injected = problem.sources.iter().flat_map(|source| &source.light);

@@ -96,7 +96,7 @@ impl<T: Real> Occluders<T> {
     pub fn touched(&self, level: usize, n: usize) -> Touched<T> {
         let is_touched = |cell: &Cell| match self {
             Occluders::Fuzzy(fuzzy) => fuzzy.touches(level, *cell),
-            Occluders::Mirrored(mirrored) => mirrored.geometry.opacity(level, *cell) != T::ZERO,
+            Occluders::Mirrored(mirrored) => mirrored.geometry.is_occupied(level, *cell),
             Occluders::Hard(hard) => hard.touches(level, *cell, n),
         };
         let cells: Vec<Cell> = Layout::new(n).cells().filter(is_touched).collect();
@@ -132,7 +132,7 @@ impl<T: Real> Mirrored<T> {
     fn receive(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, cell: Cell, d: usize) -> Sh<T> {
         let direction = Direction::ALL[d];
         let sent = stencil.send(d, sender(source, cell, direction));
-        let occupied = self.geometry.opacity(which.level, cell);
+        let occupied = self.geometry.opacity(which.level, cell, direction.axis());
         let reflected = occupied * self.geometry.albedo(which.level, cell, which.colour);
         sent * (T::of(1.0) - occupied) + sent.mirrored(direction.axis()) * reflected
     }
@@ -178,7 +178,7 @@ mod tests {
     /// A wall at x = 4 that faces −X, for red light of albedo 0.5.
     fn wall(opacity: f64) -> Vec<Solid> {
         let cells = Grid::<f64>::new(N).layout().cells().filter(|cell| cell[0] == 4);
-        let block = |cell| Solid { cell, normal: DVec3::NEG_X, opacity, albedo: [0.5, 0.0, 1.0] };
+        let block = |cell| Solid::new(cell, DVec3::NEG_X, opacity, [0.5, 0.0, 1.0]);
         cells.map(block).collect()
     }
 
