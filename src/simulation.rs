@@ -11,7 +11,8 @@
 //! - *Downsample* sets every coarser level of source and accumulated to the mean of its children; with
 //!   consistent levels, to the light that it takes over one step later ([`crate::transport::lattice::levels`]).
 //! - *Propagate* takes every level one iteration further: source to target, target added to
-//!   accumulated, then source and target swap.
+//!   accumulated, then source and target swap. In a descent it is the level that the descent has come down to
+//!   ([`crate::transport::descent`]).
 //! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell.
 //!
 //! A propagation that could take light out of the range of numbers is not done: the light stays as it
