@@ -1,4 +1,5 @@
-//! What hard occluders let through, cell by cell.
+//! What hard occluders let through, cell by cell and axis by axis: of the light that enters a cell by a face across an
+//! axis, 1 − the opacity on that axis.
 
 use crate::field::Cell;
 use crate::scene::{Problem, Solid};
@@ -7,7 +8,7 @@ use crate::scene::{Problem, Solid};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transparency {
     n: usize,
-    passes: Vec<f32>,
+    passes: Vec<[f32; 3]>,
 }
 
 impl Transparency {
@@ -21,10 +22,10 @@ impl Transparency {
         if solids.is_empty() {
             return None;
         }
-        let mut passes = vec![1.0; n.pow(3)];
+        let mut passes = vec![[1.0; 3]; n.pow(3)];
         for blocker in solids {
             let [x, y, z] = blocker.cell;
-            passes[(z * n + y) * n + x] = 1.0 - blocker.most_opaque() as f32;
+            passes[(z * n + y) * n + x] = blocker.opacity.map(|opacity| 1.0 - opacity as f32);
         }
         Some(Transparency { n, passes })
     }
@@ -34,9 +35,16 @@ impl Transparency {
         size_of_val(self.passes.as_slice())
     }
 
-    /// The share that passes a cell, 0 to 1.
+    /// The shares that pass a cell along x, y and z, each 0 to 1.
     #[inline]
-    pub fn at(&self, [x, y, z]: Cell) -> f32 {
+    pub fn by_axis(&self, [x, y, z]: Cell) -> [f32; 3] {
         self.passes[(z * self.n + y) * self.n + x]
+    }
+
+    /// The share that passes a cell along the axis that lets the least through, 0 to 1.
+    #[inline]
+    pub fn at(&self, cell: Cell) -> f32 {
+        let [x, y, z] = self.by_axis(cell);
+        x.min(y).min(z)
     }
 }

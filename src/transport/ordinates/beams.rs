@@ -15,10 +15,10 @@
 use std::sync::Arc;
 
 use super::Ordinates;
-use super::stepper::Stepper;
+use super::stepper::{Cosines, Stepper};
 use crate::field::{Channels, Grid, Levels, Marks, memory};
-use crate::scene::Problem;
 use crate::scene::propagation::Snapshots;
+use crate::scene::{Problem, Source};
 use crate::sh::{K0, K1, Real, SPHERE, Sh};
 use crate::transport::divergence::{Divergence, limit};
 use crate::transport::kind::{Setup, Transport};
@@ -50,7 +50,7 @@ pub(super) fn bytes(problem: &Problem, sizes: Levels, channels: usize, number: u
     let lanes = Ordinates::<f32>::of(&problem.propagation.ordinates).lanes() as u64;
     let cells = (sizes.finest() as u64).pow(3);
     let unsent = memory::of_grid::<f32>(sizes.finest()) * number as u64 / size_of::<f32>() as u64;
-    let transparency = if problem.has_occluders() { cells * size_of::<f32>() as u64 } else { 0 };
+    let transparency = if problem.has_occluders() { cells * size_of::<[f32; 3]>() as u64 } else { 0 };
     (3 * lanes * cells * number as u64 + unsent) * channels as u64 + transparency
 }
 
@@ -86,13 +86,18 @@ impl<T: Real> Transport<T> for Beams<T> {
 
     fn inject(&mut self, state: &mut State<T>) {
         state.inject(&self.problem, self.accumulating.as_ref().map(|cells| &cells[0]));
-        for source in &self.problem.sources {
-            for (channel, stepper) in self.steppers.iter_mut().enumerate() {
-                let weight = self.channels.weight(channel, source.color);
+        // Light of surfaces is sent as they send it, other light by its two bands.
+        let sources = &self.problem.sources;
+        for (channel, stepper) in self.steppers.iter_mut().enumerate() {
+            let weight = |source: &Source| self.channels.weight(channel, source.color);
+            for source in sources.iter().filter(|source| source.cosines.is_empty()) {
                 for (cell, value) in &source.light {
-                    stepper.inject(*cell, (*value * weight).cast());
+                    stepper.inject(*cell, (*value * weight(source)).cast());
                 }
             }
+            let of_surfaces = sources.iter().flat_map(|s| s.cosines.iter().map(move |c| (c, s)));
+            let weighted = of_surfaces.map(|(cosine, source)| (cosine, weight(source))).filter(|(_, w)| *w > 0.0);
+            stepper.inject_cosines(Cosines::new(self.problem.size, weighted));
         }
     }
 
@@ -107,6 +112,8 @@ impl<T: Real> Transport<T> for Beams<T> {
             SPHERE * (K0 * light.0[0].abs() + K1 * light.vector().length())
         };
         let unsent: f64 = self.steppers.iter().flat_map(|stepper| stepper.unsent().iter()).map(|(_, c)| sent(c)).sum();
+        // No direction gets more than one straight off a surface, 1/π of what it sends.
+        let unsent = unsent + self.steppers.iter().map(|stepper| 4.0 * stepper.cosines().flux()).sum::<f64>();
         let flux = (self.flux + unsent) * self.gain;
         let accumulated = self.accumulated + unsent + K1 * flux;
         // Not true of NaN either.
@@ -130,11 +137,12 @@ impl<T: Real> Transport<T> for Beams<T> {
         let sizes = state.sizes();
         let mut arrived = Grid::new(sizes.finest());
         for (light, stepper) in state.lights.iter_mut().zip(&mut self.steppers) {
-            let again = counts_twice.then(|| stepper.unsent().clone());
+            let again = counts_twice.then(|| (stepper.unsent().clone(), stepper.cosines().clone()));
             stepper.step(T::of(self.gain), self.transparency.as_deref(), &mut arrived);
             let target = light.target.level_mut(0);
             target.copy_from(&arrived);
-            if let Some(again) = again {
+            if let Some((again, of_surfaces)) = again {
+                stepper.inject_cosines(of_surfaces);
                 target.add_grid(light.source.level(0));
                 again.iter().for_each(|(cell, value)| stepper.inject(cell, value));
             }
