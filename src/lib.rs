@@ -64,6 +64,7 @@
 //! | 9 | `app`, [`cli`] | the window; the headless commands |
 //! | 8 | [`report`] | glyphs, pictures, plots, tables |
 //! | 7 | [`study`] | questions put to simulations: errors, references, comparisons, benchmarks |
+//! | 6 | [`render`] | what a camera or a surface sees: camera, direct light, the truth |
 //! | 5 | [`simulation`] | the stepper: clear, inject, downsample, propagate once, merge |
 //! | 4 | [`transport`] | every way light travels: the schemes of the lattice, ordinates, straight lines |
 //! | 3 | [`scene`] | the preset document, injectors, occluders, cell files, and the problem they end in |
@@ -79,6 +80,7 @@ pub mod app;
 pub mod cli;
 pub mod field;
 pub mod mesh;
+pub mod render;
 pub mod report;
 pub mod scene;
 pub mod sh;

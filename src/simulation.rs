@@ -213,6 +213,12 @@ impl<T: Real> Simulation<T> {
         self.transport.still_to_come()
     }
 
+    /// By channel, what each of the problem's receivers has received so far: its irradiance times a cell's side squared.
+    /// `None` where the transport does not know from where light comes.
+    pub fn received(&self) -> Option<&[Vec<f64>]> {
+        self.transport.received()
+    }
+
     /// Bytes that a copy of it takes: its light, and what the transport keeps under way.
     pub fn bytes(&self) -> usize {
         self.state.bytes() + self.transport.bytes()

@@ -63,6 +63,12 @@ pub trait Transport<T: Real>: fmt::Debug + Send + Sync {
         None
     }
 
+    /// By channel, what each of the problem's receivers has received so far: its irradiance times a cell's side squared.
+    /// `None` where the transport does not know from where light comes.
+    fn received(&self) -> Option<&[Vec<f64>]> {
+        None
+    }
+
     /// Whether nothing more is to come, as far as anybody wants to know.
     fn is_done(&self) -> bool {
         false

@@ -19,6 +19,7 @@
 
 mod beams;
 pub mod directions;
+mod receive;
 pub mod shares;
 pub mod stepper;
 mod sweep;

@@ -1,5 +1,4 @@
-//! What hard occluders let through, cell by cell and axis by axis: of the light that enters a cell by a face across an
-//! axis, 1 − the opacity on that axis.
+//! What hard occluders let through, cell by cell.
 
 use crate::field::Cell;
 use crate::scene::{Problem, Solid};
@@ -17,7 +16,7 @@ impl Transparency {
         if problem.has_occluders() { Transparency::new(problem.size, &problem.solids) } else { None }
     }
 
-    /// What `blockers` let through: 1 − opacity each; `None` if there are none.
+    /// What `blockers` let through: 1 − opacity each, by axis; `None` if there are none.
     pub fn new(n: usize, solids: &[Solid]) -> Option<Self> {
         if solids.is_empty() {
             return None;
@@ -35,16 +34,15 @@ impl Transparency {
         size_of_val(self.passes.as_slice())
     }
 
-    /// The shares that pass a cell along x, y and z, each 0 to 1.
+    /// The shares that pass a cell of what enters it by its faces across x, y and z, each 0 to 1.
     #[inline]
-    pub fn by_axis(&self, [x, y, z]: Cell) -> [f32; 3] {
+    pub fn at(&self, [x, y, z]: Cell) -> [f32; 3] {
         self.passes[(z * self.n + y) * self.n + x]
     }
 
-    /// The share that passes a cell along the axis that lets the least through, 0 to 1.
+    /// The least of them: for light whose way through the cell nobody follows.
     #[inline]
-    pub fn at(&self, cell: Cell) -> f32 {
-        let [x, y, z] = self.by_axis(cell);
-        x.min(y).min(z)
+    pub fn least(&self, cell: Cell) -> f32 {
+        self.at(cell).into_iter().fold(1.0, f32::min)
     }
 }

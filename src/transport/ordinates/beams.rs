@@ -8,17 +8,17 @@
 //! - *Factor*: what leaves a cell is multiplied with p/4, the mean gain that `cascaded` has. At 4 nothing is
 //!   lost or gained, and the sum is what truly arrives; below, the volume is a haze that takes 1 − p/4 of it
 //!   in each cell.
-//! - *Occluders*: in both modes a cell lets 1 − opacity of what enters it pass, whatever its normal. Nothing is
+//! - *Occluders*: in both modes a cell lets 1 − opacity of what enters it pass, by the axis of the face it enters by. Nothing is
 //!   sent back.
 //! - *Snapshots* count as for a scheme. Clamp and policy of the levels do not matter.
 
 use std::sync::Arc;
 
 use super::Ordinates;
-use super::stepper::{Cosines, Stepper};
+use super::stepper::Stepper;
 use crate::field::{Channels, Grid, Levels, Marks, memory};
+use crate::scene::Problem;
 use crate::scene::propagation::Snapshots;
-use crate::scene::{Problem, Source};
 use crate::sh::{K0, K1, Real, SPHERE, Sh};
 use crate::transport::divergence::{Divergence, limit};
 use crate::transport::kind::{Setup, Transport};
@@ -43,6 +43,10 @@ pub(super) struct Beams<T> {
     /// What the flux under way and the accumulated coefficients cannot exceed.
     flux: f64,
     accumulated: f64,
+    /// Of light that surfaces have yet to send, what it adds to that.
+    of_surfaces: f64,
+    /// By channel, what each receiver of the problem has received, times a cell's side squared.
+    received: Vec<Vec<f64>>,
 }
 
 /// Bytes that the light under way will take: what comes in by three faces, for each direction and cell.
@@ -51,7 +55,8 @@ pub(super) fn bytes(problem: &Problem, sizes: Levels, channels: usize, number: u
     let cells = (sizes.finest() as u64).pow(3);
     let unsent = memory::of_grid::<f32>(sizes.finest()) * number as u64 / size_of::<f32>() as u64;
     let transparency = if problem.has_occluders() { cells * size_of::<[f32; 3]>() as u64 } else { 0 };
-    (3 * lanes * cells * number as u64 + unsent) * channels as u64 + transparency
+    let received = (problem.receivers.len() * size_of::<f64>()) as u64;
+    (3 * lanes * cells * number as u64 + unsent + received) * channels as u64 + transparency
 }
 
 impl<T: Real> Beams<T> {
@@ -66,6 +71,8 @@ impl<T: Real> Beams<T> {
             gain: problem.propagation.factor / KEEPS_ALL,
             flux: 0.0,
             accumulated: 0.0,
+            of_surfaces: 0.0,
+            received: vec![vec![0.0; problem.receivers.len()]; channels.count()],
             channels: channels.clone(),
             problem: Arc::clone(problem),
         }
@@ -80,24 +87,25 @@ impl<T: Real> Transport<T> for Beams<T> {
     /// Every cell is sampled at level 0.
     fn start(&mut self, state: &mut State<T>) {
         self.steppers.iter_mut().for_each(Stepper::clear);
-        (self.flux, self.accumulated) = (0.0, 0.0);
+        (self.flux, self.accumulated, self.of_surfaces) = (0.0, 0.0, 0.0);
+        self.received.iter_mut().for_each(|received| received.fill(0.0));
         state.index.level_mut(0).fill();
     }
 
     fn inject(&mut self, state: &mut State<T>) {
         state.inject(&self.problem, self.accumulating.as_ref().map(|cells| &cells[0]));
-        // Light of surfaces is sent as they send it, other light by its two bands.
-        let sources = &self.problem.sources;
-        for (channel, stepper) in self.steppers.iter_mut().enumerate() {
-            let weight = |source: &Source| self.channels.weight(channel, source.color);
-            for source in sources.iter().filter(|source| source.cosines.is_empty()) {
-                for (cell, value) in &source.light {
-                    stepper.inject(*cell, (*value * weight(source)).cast());
+        for source in &self.problem.sources {
+            for (channel, stepper) in self.steppers.iter_mut().enumerate() {
+                let weight = self.channels.weight(channel, source.color);
+                // Light that leaves surfaces is known better than by its lobes.
+                for surface in &source.cosines {
+                    stepper.inject_surface(surface.cell, surface.normal, surface.flux * weight);
+                    self.of_surfaces += surface.flux * weight;
+                }
+                for (cell, value) in source.light.iter().filter(|_| source.cosines.is_empty()) {
+                    stepper.inject(*cell, (*value * weight).cast());
                 }
             }
-            let of_surfaces = sources.iter().flat_map(|s| s.cosines.iter().map(move |c| (c, s)));
-            let weighted = of_surfaces.map(|(cosine, source)| (cosine, weight(source))).filter(|(_, w)| *w > 0.0);
-            stepper.inject_cosines(Cosines::new(self.problem.size, weighted));
         }
     }
 
@@ -112,8 +120,7 @@ impl<T: Real> Transport<T> for Beams<T> {
             SPHERE * (K0 * light.0[0].abs() + K1 * light.vector().length())
         };
         let unsent: f64 = self.steppers.iter().flat_map(|stepper| stepper.unsent().iter()).map(|(_, c)| sent(c)).sum();
-        // No direction gets more than one straight off a surface, 1/π of what it sends.
-        let unsent = unsent + self.steppers.iter().map(|stepper| 4.0 * stepper.cosines().flux()).sum::<f64>();
+        let unsent = unsent + std::mem::take(&mut self.of_surfaces);
         let flux = (self.flux + unsent) * self.gain;
         let accumulated = self.accumulated + unsent + K1 * flux;
         // Not true of NaN either.
@@ -136,13 +143,14 @@ impl<T: Real> Transport<T> for Beams<T> {
         let counts_twice = state.iteration == 0 && self.problem.propagation.snapshots == Snapshots::CopyFirst;
         let sizes = state.sizes();
         let mut arrived = Grid::new(sizes.finest());
-        for (light, stepper) in state.lights.iter_mut().zip(&mut self.steppers) {
-            let again = counts_twice.then(|| (stepper.unsent().clone(), stepper.cosines().clone()));
+        let channels = self.steppers.iter_mut().zip(&mut self.received);
+        for (light, (stepper, received)) in state.lights.iter_mut().zip(channels) {
+            let again = counts_twice.then(|| stepper.unsent().clone());
             stepper.step(T::of(self.gain), self.transparency.as_deref(), &mut arrived);
+            stepper.receive(&self.problem.receivers, received);
             let target = light.target.level_mut(0);
             target.copy_from(&arrived);
-            if let Some((again, of_surfaces)) = again {
-                stepper.inject_cosines(of_surfaces);
+            if let Some(again) = again {
                 target.add_grid(light.source.level(0));
                 again.iter().for_each(|(cell, value)| stepper.inject(cell, value));
             }
@@ -160,7 +168,12 @@ impl<T: Real> Transport<T> for Beams<T> {
     }
 
     fn bytes(&self) -> usize {
-        self.steppers.iter().map(Stepper::bytes_now).sum()
+        let received: usize = self.received.iter().map(|received| size_of_val(received.as_slice())).sum();
+        self.steppers.iter().map(Stepper::bytes_now).sum::<usize>() + received
+    }
+
+    fn received(&self) -> Option<&[Vec<f64>]> {
+        Some(&self.received)
     }
 
     fn shared_bytes(&self) -> usize {

@@ -1,11 +1,13 @@
 //! Ordinates by the iteration: every front moves one cell a step.
 
+use std::collections::HashMap;
+
+use glam::DVec3;
 use multiversion::multiversion;
 use rayon::prelude::*;
 
 use super::{Group, LANES, Lanes, Octant, Ordinates};
 use crate::field::{Cell, Grid, Layout};
-use crate::scene::Cosine;
 use crate::scene::propagation::ordinates::Rule;
 use crate::sh::{K0, K1, Real, Sh};
 use crate::transport::transparency::Transparency;
@@ -14,7 +16,7 @@ use crate::transport::transparency::Transparency;
 const PIECES: usize = 4;
 
 /// What has come into a cell by its low faces, as the wind of a group blows.
-type Came<T> = [Lanes<T>; 3];
+pub(super) type Came<T> = [Lanes<T>; 3];
 
 /// Light of one channel under way in all directions. Once it moves it takes three numbers a cell and direction.
 #[derive(Clone, Debug)]
@@ -25,85 +27,28 @@ pub struct Stepper<T = f32> {
     under_way: Vec<Vec<Came<T>>>,
     /// What has not been sent yet.
     unsent: Grid<T>,
-    /// What surfaces have not sent yet.
-    cosines: Cosines<T>,
+    surfaces: Surfaces<T>,
 }
 
-/// Light that leaves cells as it leaves surfaces.
-#[derive(Clone, Debug, Default)]
-pub struct Cosines<T> {
-    /// By cell, x fastest, where its part of `all` begins, and a last one where all ends. Empty if there are none.
-    from: Vec<u32>,
-    /// Normals and fluxes.
-    all: Vec<([T; 3], T)>,
-}
-
-impl<T: Real> Cosines<T> {
-    /// Of a volume of side `n`, each with a weight that its flux is multiplied with.
-    pub fn new<'a>(n: usize, cosines: impl Iterator<Item = (&'a Cosine, f64)>) -> Self {
-        let index = |[x, y, z]: Cell| (z * n + y) * n + x;
-        let mut sorted: Vec<(usize, ([T; 3], T))> = cosines
-            .map(|(c, weight)| (index(c.cell), (c.normal.to_array().map(T::of), T::of(c.flux * weight))))
-            .collect();
-        if sorted.is_empty() {
-            return Cosines { from: Vec::new(), all: Vec::new() };
-        }
-        sorted.sort_by_key(|(cell, _)| *cell);
-        let mut from = vec![0u32; n.pow(3) + 1];
-        sorted.iter().for_each(|(cell, _)| from[cell + 1] += 1);
-        for i in 0..n.pow(3) {
-            from[i + 1] += from[i];
-        }
-        Cosines { from, all: sorted.into_iter().map(|(_, cosine)| cosine).collect() }
-    }
-
-    /// What they send together.
-    pub fn flux(&self) -> f64 {
-        self.all.iter().map(|(_, flux)| flux.to_f64()).sum()
-    }
-
-    /// Those of a cell, by its number.
-    fn of(&self, cell: usize) -> &[([T; 3], T)] {
-        match self.from.get(cell..cell + 2) {
-            Some([from, to]) => &self.all[*from as usize..*to as usize],
-            _ => &[],
-        }
-    }
-
-    fn bytes(&self) -> usize {
-        size_of_val(self.from.as_slice()) + size_of_val(self.all.as_slice())
-    }
-}
+/// Light of surfaces that has not been sent yet: by cell, normals and what goes along them [W/sr].
+type Surfaces<T> = HashMap<usize, Vec<([T; 3], T)>>;
 
 impl<T: Real> Stepper<T> {
     /// A dark volume of n³ cells.
     pub fn new(ordinates: Ordinates<T>, n: usize) -> Self {
-        let cosines = Cosines::new(n, std::iter::empty());
-        Stepper { ordinates, n, under_way: Vec::new(), unsent: Grid::new(n), cosines }
+        Stepper { ordinates, n, under_way: Vec::new(), unsent: Grid::new(n), surfaces: Surfaces::default() }
     }
 
     /// Bytes that it takes now.
     pub fn bytes_now(&self) -> usize {
-        self.under_way.iter().map(|cells| size_of_val(cells.as_slice())).sum::<usize>()
-            + self.unsent.bytes()
-            + self.cosines.bytes()
+        self.under_way.iter().map(|cells| size_of_val(cells.as_slice())).sum::<usize>() + self.unsent.bytes()
     }
 
     /// Makes it dark.
     pub fn clear(&mut self) {
         self.under_way.clear();
         self.unsent.clear();
-        self.cosines = Cosines::new(self.n, std::iter::empty());
-    }
-
-    /// Has surfaces send light with the next step, in place of what they were to send.
-    pub fn inject_cosines(&mut self, cosines: Cosines<T>) {
-        self.cosines = cosines;
-    }
-
-    /// What surfaces will send with the next step.
-    pub fn cosines(&self) -> &Cosines<T> {
-        &self.cosines
+        self.surfaces.clear();
     }
 
     /// Adds light to a cell, to be sent by the next step.
@@ -111,7 +56,28 @@ impl<T: Real> Stepper<T> {
         self.unsent.add(cell, light);
     }
 
-    /// What the next step will send.
+    /// Adds light of a surface in a cell, (flux/π)·max(0, n·u) along u, to be sent by the next step. In place of π
+    /// stands what the set's directions make of it, so that no light is lost between them.
+    pub fn inject_surface(&mut self, [x, y, z]: Cell, normal: DVec3, flux: f64) {
+        let normal = normal.to_array().map(T::of);
+        let groups = self.ordinates.octants.iter().flat_map(|octant| &octant.groups);
+        let whole: f64 = groups.flat_map(|group| group.lambert(normal)).map(T::to_f64).sum();
+        if whole > 0.0 {
+            let light = (normal, T::of(flux / whole));
+            self.surfaces.entry((z * self.n + y) * self.n + x).or_default().push(light);
+        }
+    }
+
+    /// What came into a cell in the last step: for each group of directions the fluxes by its low faces.
+    pub(super) fn arrivals(&self, cell: Cell) -> impl Iterator<Item = (&Group<T>, &Came<T>)> {
+        let groups = self.ordinates.octants.iter().flat_map(|octant| octant.groups.iter().map(move |g| (octant, g)));
+        groups.zip(&self.under_way).map(move |((octant, group), came)| {
+            let [x, y, z] = turned(octant, self.n, cell);
+            (group, &came[(z * self.n + y) * self.n + x])
+        })
+    }
+
+    /// What the next step will send of lobes.
     pub fn unsent(&self) -> &Grid<T> {
         &self.unsent
     }
@@ -124,7 +90,7 @@ impl<T: Real> Stepper<T> {
         let dark = [[T::ZERO; LANES]; 3];
         self.under_way.resize_with(groups.len(), || vec![dark; self.n.pow(3)]);
         let piece = groups.len().div_ceil(PIECES).max(1);
-        let (unsent, rule) = ((&self.unsent, &self.cosines), self.ordinates.rule);
+        let (unsent, rule) = ((&self.unsent, &self.surfaces), self.ordinates.rule);
         let pieces = groups.par_chunks(piece).zip(self.under_way.par_chunks_mut(piece));
         let run = |(groups, under_way): (&[(&Octant<T>, &Group<T>)], &mut [Vec<Came<T>>])| {
             let mut arrived = Grid::new(unsent.0.side());
@@ -138,7 +104,17 @@ impl<T: Real> Stepper<T> {
         arrived.clear();
         parts.iter().for_each(|part| arrived.add_grid(part));
         self.unsent.clear();
-        self.cosines = Cosines::new(self.n, std::iter::empty());
+        self.surfaces.clear();
+    }
+}
+
+impl<T: Real> Group<T> {
+    /// For each direction its solid angle times the cosine to a surface's normal, if it leaves the surface.
+    fn lambert(&self, normal: [T; 3]) -> Lanes<T> {
+        std::array::from_fn(|l| {
+            let cosine = self.way[0][l] * normal[0] + self.way[1][l] * normal[1] + self.way[2][l] * normal[2];
+            if cosine > T::ZERO { cosine * self.weight[l] } else { T::ZERO }
+        })
     }
 }
 
@@ -153,7 +129,7 @@ fn advance<T: Real>(
     (octant, group): (&Octant<T>, &Group<T>),
     rule: Rule,
     gain: T,
-    (unsent, cosines): (&Grid<T>, &Cosines<T>),
+    (unsent, surfaces): (&Grid<T>, &Surfaces<T>),
     occluders: Option<&Transparency>,
     under_way: &mut [Came<T>],
 ) {
@@ -163,15 +139,16 @@ fn advance<T: Real>(
     for (i, at) in (0..n.pow(3)).rev().map(|i| (i, [i % n, i / n % n, i / n / n])) {
         let cell = turned(octant, n, at);
         let (came, light) = (under_way[i], unsent.get(cell));
-        let of_surfaces = cosines.of((cell[2] * n + cell[1]) * n + cell[0]);
+        let of_surfaces =
+            if surfaces.is_empty() { None } else { surfaces.get(&((cell[2] * n + cell[1]) * n + cell[0])) };
         let mut leaves = dark;
-        if !light.is_zero() || came != dark || !of_surfaces.is_empty() {
+        if !light.is_zero() || came != dark || of_surfaces.is_some() {
             let mut sent = if light.is_zero() { dark[0] } else { group.sent(light) };
-            for (normal, flux) in of_surfaces {
-                let more = group.sent_by(*normal, *flux);
-                sent.iter_mut().zip(more).for_each(|(sent, more)| *sent += more);
+            for (normal, along) in of_surfaces.into_iter().flatten() {
+                sent.iter_mut().zip(group.lambert(*normal)).for_each(|(sent, lambert)| *sent += *along * lambert);
             }
-            let passes = occluders.map_or([T::of(1.0); 3], |o| o.by_axis(cell).map(|share| T::of(f64::from(share))));
+            let passes =
+                occluders.map_or([T::of(1.0); 3], |occluders| occluders.at(cell).map(|share| T::of(f64::from(share))));
             let mut unseen = [dark[0]; 4];
             leaves = match rule {
                 Rule::Donor => group.cross::<true>(came, sent, passes, &mut unseen),
@@ -258,39 +235,6 @@ mod tests {
                 assert!(distance == k || light.is_zero(), "k = {k}, {cell:?}");
             }
             assert!(!arrived.get([3, 3 + k, 3]).is_zero());
-        }
-    }
-
-    #[test]
-    fn a_surface_sends_the_cosine_and_all_its_flux() {
-        let surface = Cosine { cell: [3, 3, 3], normal: DVec3::Y, flux: 2.0 };
-        let mut stepper = Stepper::<f64>::new(Ordinates::new(Lattice::Octahedral, 200, Rule::Faces), 8);
-        stepper.inject_cosines(Cosines::new(8, [(&surface, 0.5)].into_iter()));
-        let mut arrived = Grid::new(8);
-        stepper.step(1.0, None, &mut arrived);
-        let flux: f64 = arrived.iter().map(|(_, light)| light.0[0] * 2.0 * std::f64::consts::PI.sqrt()).sum();
-        assert!((flux - 1.0).abs() < 0.02, "{flux}");
-        // Nothing goes behind the surface, where the two bands of a lobe would send some.
-        assert!(arrived.get([3, 2, 3]).is_zero() && !arrived.get([3, 4, 3]).is_zero());
-        stepper.step(1.0, None, &mut arrived);
-        let once_more: f64 = arrived.iter().map(|(_, light)| light.0[0] * 2.0 * std::f64::consts::PI.sqrt()).sum();
-        assert!((once_more - flux).abs() < 1e-12, "it is sent once");
-    }
-
-    #[test]
-    fn a_floor_stops_what_falls_and_not_what_passes_along_it() {
-        let floor: Vec<Solid> = (0..64)
-            .map(|i| Solid { opacity: [0.0, 1.0, 0.0], ..Solid::new([i % 8, 3, i / 8], DVec3::Y, 1.0, [0.0; 3]) })
-            .collect();
-        let passes = Transparency::new(8, &floor);
-        for (at, normal, gets_on) in [([4, 5, 4], DVec3::NEG_Y, false), ([2, 3, 4], DVec3::X, true)] {
-            let surface = Cosine { cell: at, normal, flux: 1.0 };
-            let mut stepper = Stepper::<f64>::new(Ordinates::new(Lattice::Octahedral, 32, Rule::Faces), 8);
-            stepper.inject_cosines(Cosines::new(8, [(&surface, 1.0)].into_iter()));
-            let mut arrived = Grid::new(8);
-            (0..3).for_each(|_| stepper.step(1.0, passes.as_ref(), &mut arrived));
-            let behind = if gets_on { [5, 3, 4] } else { [4, 2, 4] };
-            assert_eq!(!arrived.get(behind).is_zero(), gets_on, "{normal}");
         }
     }
 }

@@ -96,8 +96,8 @@ fn any<T: Real, const DONOR: bool>(
                 let at = layout.index(cell);
                 let light = if lit.contains(&cell[0]) { injected.at(at) } else { Sh::ZERO };
                 let lit = !light.is_zero();
-                let passes =
-                    occluders.map_or([T::of(1.0); 3], |o| o.by_axis(cell).map(|share| T::of(f64::from(share))));
+                let passes = occluders
+                    .map_or([T::of(1.0); 3], |occluders| occluders.at(cell).map(|share| T::of(f64::from(share))));
                 let ahead = xi * groups.len()..(xi + 1) * groups.len();
                 let under_way = by_x.iter_mut().zip(&mut by_y[ahead.clone()]).zip(&mut by_z[ahead]);
                 let mut sum = [dark; 4];
@@ -128,21 +128,8 @@ impl<T: Real> Group<T> {
         sent
     }
 
-    /// What a surface of unit normal `normal` sends in each direction, `flux` in all: (flux/π)·max(0, n·u).
-    #[inline(always)]
-    pub(super) fn sent_by(&self, normal: [T; 3], flux: T) -> Lanes<T> {
-        let radiance = flux * T::of(std::f64::consts::FRAC_1_PI);
-        let mut sent = [T::ZERO; LANES];
-        for (l, sent) in sent.iter_mut().enumerate() {
-            let cosine = normal[0] * self.way[0][l] + (normal[1] * self.way[1][l] + normal[2] * self.way[2][l]);
-            *sent = cosine.max(T::ZERO) * radiance * self.weight[l];
-        }
-        sent
-    }
-
     /// Takes the flux that comes in by the low faces through a cell: adds it to `sum`, as Σ F and
-    /// Σ F·u, and returns what leaves by the far faces. `passes` is the share of it that goes on, by the axis across the
-    /// face that it came in by.
+    /// Σ F·u, and returns what leaves by the far faces.
     #[inline(always)]
     pub(super) fn cross<const DONOR: bool>(
         &self,
@@ -151,40 +138,21 @@ impl<T: Real> Group<T> {
         passes: [T; 3],
         sum: &mut [Lanes<T>; 4],
     ) -> [Lanes<T>; 3] {
-        let [x, y, z] = passes;
-        if x == y && y == z {
-            return self.cross_alike::<DONOR>(came, sent, x, sum);
-        }
-        let dark = [T::ZERO; LANES];
-        self.cross_alike::<DONOR>(came, dark, T::ZERO, sum);
-        let mut on = came;
-        on.iter_mut().zip(passes).for_each(|(lanes, share)| lanes.iter_mut().for_each(|flux| *flux *= share));
-        self.cross_alike::<DONOR>(on, sent, T::of(1.0), &mut [dark; 4])
-    }
-
-    /// The same where all faces let the same share pass.
-    #[inline(always)]
-    fn cross_alike<const DONOR: bool>(
-        &self,
-        came: [Lanes<T>; 3],
-        sent: Lanes<T>,
-        passes: T,
-        sum: &mut [Lanes<T>; 4],
-    ) -> [Lanes<T>; 3] {
         let mut leaves = [[T::ZERO; LANES]; 3];
         for l in 0..LANES {
             // The next cell along x waits for what comes of the first.
             let flux = came[0][l] + (came[1][l] + came[2][l]);
             sum[0][l] += flux;
+            let passed = [0, 1, 2].map(|k: usize| came[k][l] * passes[k]);
             for j in 0..3 {
                 sum[1 + j][l] += flux * self.way[j][l];
                 let left = if DONOR {
-                    self.start[j][l] * (flux * passes + sent[l])
+                    self.start[j][l] * (passed[0] + (passed[1] + passed[2]) + sent[l])
                 } else {
-                    let through = self.through[0][j][l] * came[0][l]
-                        + self.through[1][j][l] * came[1][l]
-                        + self.through[2][j][l] * came[2][l];
-                    through * passes + self.start[j][l] * sent[l]
+                    self.through[0][j][l] * passed[0]
+                        + self.through[1][j][l] * passed[1]
+                        + self.through[2][j][l] * passed[2]
+                        + self.start[j][l] * sent[l]
                 };
                 // Beams fade sideways without end; denormal numbers would cost more than all the rest.
                 leaves[j][l] = if left < T::of(FLOOR) { T::ZERO } else { left };
