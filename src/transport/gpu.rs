@@ -7,6 +7,3 @@ pub mod layout;
 pub mod porting;
 pub mod text;
 pub mod volume;
-
-#[cfg(test)]
-mod tests;

@@ -1,14 +1,15 @@
 //! The card against the processor, to the last bit. Where no driver answers the suite says so, and does not run.
+#![cfg(feature = "gpu")]
 
 use std::path::Path;
 
-use super::device::Device as Card;
-use crate::scene::occluder::OcclusionMode;
-use crate::scene::propagation::{Policy, Snapshots};
-use crate::scene::{Preset, Problem, builtin};
-use crate::simulation::{Action, Simulation};
-use crate::transport::options::{Device, Options, Wanted};
-use crate::transport::preset;
+use lpv_lab::scene::occluder::OcclusionMode;
+use lpv_lab::scene::propagation::{Policy, Snapshots};
+use lpv_lab::scene::{Preset, Problem, builtin};
+use lpv_lab::simulation::options::{Device, Options, Wanted};
+use lpv_lab::simulation::{Action, Simulation};
+use lpv_lab::transport::gpu::device::Device as Card;
+use lpv_lab::transport::{self, preset};
 
 /// Whether there is a card to test.
 fn is_there() -> bool {
@@ -81,7 +82,7 @@ fn every_preset_has_the_processors_bits() {
     }
     for name in builtin::PRESETS.iter().map(|(name, _)| *name) {
         let preset = builtin_preset(name);
-        if crate::transport::find(&preset.propagation.scheme).is_some_and(|kind| kind.card.is_some()) {
+        if transport::find(&preset.propagation.scheme).is_some_and(|kind| kind.card.is_some()) {
             compare(name, &preset);
         }
     }
@@ -92,7 +93,7 @@ fn every_scheme_level_policy_and_snapshot_has_the_processors_bits() {
     if !is_there() {
         return;
     }
-    for kind in crate::transport::kinds().iter().filter(|kind| kind.card.is_some()) {
+    for kind in transport::kinds().iter().filter(|kind| kind.card.is_some()) {
         for levels in [Policy::Same, Policy::Consistent] {
             let mut preset = builtin_preset("level-jump");
             preset.propagation.scheme = kind.name.to_owned();
