@@ -1,6 +1,8 @@
 //! The headless commands, each a few lines over `study` and `report`.
 
 mod bench;
+#[cfg(feature = "gpu")]
+mod card;
 mod cells;
 mod compare;
 pub mod console;
@@ -19,6 +21,8 @@ mod render;
 mod run;
 mod scene;
 mod schemes;
+#[cfg(feature = "gpu")]
+mod shader;
 mod stability;
 
 use std::path::PathBuf;
@@ -88,6 +92,9 @@ pub enum Command {
     Pattern(pattern::PatternArgs),
     /// Tell from dumps of its grid whether a port of light propagation volumes is right
     Identify(identify::IdentifyArgs),
+    /// Write the kernels that a preset needs, in the language of an engine
+    #[cfg(feature = "gpu")]
+    Shader(shader::ShaderArgs),
     /// Print completions for a shell
     #[command(after_help = "Example:\n  lpv-lab completions bash > ~/.local/share/bash-completion/completions/lpv-lab")]
     Completions {
@@ -209,6 +216,8 @@ pub fn execute(command: Command) -> Result<(), CliError> {
         Command::Stability(args) => team::inside(|| stability::run(&args)),
         Command::Pattern(args) => pattern::run(&args),
         Command::Identify(args) => team::inside(|| identify::run(&args)),
+        #[cfg(feature = "gpu")]
+        Command::Shader(args) => shader::run(&args),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "lpv-lab", &mut script);

@@ -1,6 +1,7 @@
 //! The preset argument that every command shares, and what the command line changes of it.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 
@@ -13,8 +14,10 @@ use crate::scene::propagation::Policy;
 use crate::scene::propagation::descent::{Descent, Inside};
 use crate::scene::propagation::ordinates::Rule;
 use crate::scene::{Preset, Problem, SceneError, builtin, file};
+use crate::simulation::Simulation;
+use crate::simulation::options::{Device, Options};
 use crate::system::text::{nearest, one_line, shortened};
-use crate::transport::preset;
+use crate::transport::{Refusal, preset};
 
 /// The most characters of a title that are printed.
 const LONGEST_TITLE: usize = 100;
@@ -58,6 +61,34 @@ pub struct SceneArgs {
     /// Let faces carry negative flux
     #[arg(long)]
     pub no_clamp: bool,
+    /// What iterates: the processor, or a graphics card where the program was built with the feature `gpu`; the light
+    /// is the same to the last bit
+    #[arg(long, value_enum, value_name = "DEVICE", default_value_t)]
+    pub device: DeviceArg,
+}
+
+/// What iterates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum DeviceArg {
+    /// The processor
+    #[default]
+    Cpu,
+    /// A graphics card; where it cannot, the processor, and a line says why
+    Gpu,
+}
+
+impl DeviceArg {
+    /// A dark simulation on the device that was asked for, or on the processor where that cannot do it.
+    pub fn simulate(self, problem: impl Into<Arc<Problem>>, options: Options) -> Result<Simulation<f32>, CliError> {
+        let problem = problem.into();
+        if self == DeviceArg::Gpu {
+            match Simulation::with_options(Arc::clone(&problem), Options { device: Device::Gpu, ..options }) {
+                Err(Refusal::Device { what }) => remark!("note: the processor computes: {what}"),
+                other => return Ok(other?),
+            }
+        }
+        Ok(Simulation::with_options(problem, options)?)
+    }
 }
 
 /// What a descent goes over.

@@ -20,7 +20,7 @@ use crate::render::surface::Lit;
 use crate::render::truth::Truth;
 use crate::report::radiance;
 use crate::report::table::Table;
-use crate::simulation::Simulation;
+use crate::simulation::options::Options;
 use crate::study::picture::{self, Compared, flip};
 use crate::study::surface::{self, Surfaces};
 use crate::system::interrupt;
@@ -157,7 +157,7 @@ pub fn run(args: &RenderArgs) -> Result<(), CliError> {
     let Size(size) = args.size;
     let set = Set::new(&stage);
     let view = set.view(size).ok_or_else(|| CliError::Input("the scene's camera sees nothing".to_owned()))?;
-    let mut simulation = Simulation::<f32>::new(set.prepared(problem))?;
+    let mut simulation = args.scene.device.simulate(set.prepared(problem), Options::default())?;
     if let LevelArg::Level(_) = args.level {
         args.level.check(simulation.sizes().count())?;
     }

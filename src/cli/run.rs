@@ -208,7 +208,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     if let Some(warning) = outlook::warning(&problem) {
         remark!("warning: {warning}");
     }
-    let mut simulation = Simulation::<f32>::with_options(problem, args.options()?)?;
+    let mut simulation = args.scene.device.simulate(problem, args.options()?)?;
     LevelArg::Level(args.level).check(simulation.sizes().count())?;
     let folder = Folder::of_preset(args.out.as_deref(), &args.scene.preset)?;
     interrupt::listen();

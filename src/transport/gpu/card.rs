@@ -11,6 +11,7 @@ use super::device::{Device, DeviceError};
 use super::text::{Constants, Solids};
 use super::volume::{Masks, Mode, TouchedCell, Volume};
 use crate::field::{Levels, Marks, Octree};
+use crate::scene::Problem;
 use crate::scene::propagation::Policy;
 use crate::scene::propagation::descent::Descent;
 use crate::transport::divergence::Divergence;
@@ -49,18 +50,9 @@ impl OnCard {
         if setup.options.kernel == Kernel::Plain {
             return Err(no("the definition is computed by the processor alone".into()));
         }
-        let propagation = &setup.problem.propagation;
-        if propagation.descent != Descent::Off || !matches!(propagation.levels, Policy::Same | Policy::Consistent) {
-            return Err(no(
-                "a graphics card computes the levels `same` and `consistent`; for others and for a descent use \
-                           --device cpu"
-                    .into(),
-            ));
-        }
+        let constants = constants_of(&setup.problem, setup.sizes)?;
         let lattice = Lattice::<f32>::new(setup)?;
         let channels = setup.channels.count();
-        let constants =
-            constants(&lattice).ok_or_else(|| no("this scheme has another shape than the card's kernels".into()))?;
         let masks = masks(&lattice, setup.sizes, channels);
         let card = Device::shared().map_err(|error| no(error.to_string()))?;
         let volume =
@@ -207,8 +199,25 @@ impl Transport<f32> for OnCard {
     }
 }
 
+/// What is constant in the kernels of a problem on levels of these sizes.
+///
+/// # Errors
+/// Where the card has no kernels for its scheme, its levels or its descent.
+pub fn constants_of(problem: &Problem, sizes: Levels) -> Result<Constants, Refusal> {
+    let no = |what: &str| Refusal::Device { what: what.to_owned() };
+    let propagation = &problem.propagation;
+    if propagation.descent != Descent::Off || !matches!(propagation.levels, Policy::Same | Policy::Consistent) {
+        return Err(no("a graphics card computes the levels `same` and `consistent`, and no descent; for others use \
+                       --device cpu"));
+    }
+    let setup =
+        Setup { problem: Arc::new(problem.clone()), sizes, channels: problem.channels(), options: Default::default() };
+    let shape = "this scheme has another shape than the card's kernels; use --device cpu";
+    constants(&Lattice::new(&setup)?).ok_or_else(|| no(shape))
+}
+
 /// What is constant in the kernels of a lattice; `None` where its stencils have another shape.
-pub(super) fn constants(lattice: &Lattice<f32>) -> Option<Constants> {
+fn constants(lattice: &Lattice<f32>) -> Option<Constants> {
     let forms = lattice.forms().iter().copied().collect::<Option<Vec<_>>>()?;
     let levels = forms.into_iter().zip(lattice.stencils().iter().cloned()).collect();
     let solids = lattice.solids().map(|(occluders, _)| match occluders {
