@@ -15,6 +15,7 @@ mod pareto;
 mod pattern;
 mod presets;
 mod race;
+mod render;
 mod run;
 mod scene;
 mod schemes;
@@ -67,6 +68,8 @@ pub enum Command {
     Cells(cells::CellsArgs),
     /// Run presets under several schemes and compare what each makes of them
     Compare(compare::CompareArgs),
+    /// What a camera sees of a preset's light, and what it should see
+    Render(render::RenderArgs),
     /// Measure how fast the loops are
     Bench(BenchArgs),
     /// Measure what an octree can do: error against all the light there will ever be, and the cells it takes
@@ -196,6 +199,7 @@ pub fn execute(command: Command) -> Result<(), CliError> {
         Command::Run(args) => team::inside(|| run::run(&args)),
         Command::Cells(args) => team::inside(|| cells::run(&args)),
         Command::Compare(args) => team::inside(|| compare::run(&args)),
+        Command::Render(args) => team::inside(|| render::run(&args)),
         Command::Bench(args) => bench::run(&args),
         Command::Octree(args) => team::inside(|| octree::run(&args)),
         Command::Motion(args) => team::inside(|| motion::run(&args)),

@@ -8,6 +8,7 @@
 //!
 //! [`read::read`] reads `.obj` with its `.mtl`, `.gltf` and `.glb`; [`Bvh`] answers what a ray meets.
 
+pub mod cut;
 pub mod read;
 
 mod bvh;

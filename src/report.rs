@@ -14,6 +14,7 @@ pub mod pareto_figure;
 pub mod picture;
 pub mod plot;
 pub mod port;
+pub mod radiance;
 pub mod raster;
 pub mod shadow_map;
 pub mod slice;

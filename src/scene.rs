@@ -26,6 +26,7 @@ pub mod voxels;
 mod npy;
 mod occluder_file;
 mod place;
+pub mod receiver;
 mod region;
 mod row_text;
 mod rows;
@@ -69,6 +70,8 @@ pub struct Problem {
     /// What stands between the light's cells for fuzzy occlusion, where a mesh tells more than `solids`: a blocker of
     /// cell g stands at the corner that the cells g and g + (1, 1, 1) share. Empty where it is the solids.
     pub between: Vec<Solid>,
+    /// What wants to know the light that it receives; none.
+    pub receivers: Vec<receiver::Receiver>,
     /// The mesh in its volume with its lights, where the preset has one.
     pub stage: Option<Arc<Stage>>,
     /// How occupied cells act.
@@ -132,6 +135,7 @@ impl Problem {
             sources,
             solids: solids::over(mesh, filled, preset.size),
             between,
+            receivers: Vec::new(),
             stage,
             occlusion: preset.occlusion,
             propagation: preset.propagation.clone(),

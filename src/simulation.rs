@@ -131,7 +131,7 @@ impl<T: Precision> Simulation<T> {
         let sizes = Levels::new(problem.size, problem.coarsest)
             .ok_or(Refusal::Sizes { size: problem.size, coarsest: problem.coarsest })?;
         let kind = transport::known(&problem.propagation.scheme)?;
-        let make = T::maker(kind).ok_or(Refusal::Precision { name: kind.name })?;
+        let make = T::maker(kind, options.device).ok_or_else(|| kind.refusal(options.device))?;
         let channels = if options.skip.channels { problem.channels() } else { Channels::separate() };
         let bytes = |size| bytes::<T>(kind, &problem, sizes.with_finest(size), channels.count());
         refuse_what_does_not_fit(sizes.finest(), bytes)?;
@@ -211,6 +211,12 @@ impl<T: Real> Simulation<T> {
     /// the level where it is largest). `None` while nothing is proved, or if no tolerance is set.
     pub fn still_to_come(&self) -> Option<f64> {
         self.transport.still_to_come()
+    }
+
+    /// By channel, what each of the problem's receivers has received so far: its irradiance times a cell's side squared.
+    /// `None` where the transport does not know from where light comes.
+    pub fn received(&self) -> Option<&[Vec<f64>]> {
+        self.transport.received()
     }
 
     /// Bytes that a copy of it takes: its light, and what the transport keeps under way.

@@ -12,11 +12,13 @@ pub mod motion;
 pub mod octree;
 pub mod pareto;
 pub mod pattern;
+pub mod picture;
 pub mod profile;
 pub mod race;
 pub mod random;
 pub mod reference;
 pub mod stability;
 pub mod stress;
+pub mod surface;
 
 pub use expectation::error;

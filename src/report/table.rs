@@ -68,6 +68,18 @@ pub struct Table<const N: usize> {
 
 impl<const N: usize> Table<N> {
     /// A table without rows.
+    ///
+    /// ```
+    /// use lpv_lab::report::table::Table;
+    ///
+    /// let mut table = Table::new(["scheme", "k", "error"]);
+    /// table.push(["cascaded".into(), 4.into(), 7.8e-5.into()]);
+    /// assert_eq!(table.to_text(), "scheme    k   error\ncascaded  4  7.8e-5\n");
+    /// let mut csv = Vec::new();
+    /// table.write_csv(&mut csv)?;
+    /// assert_eq!(csv, b"scheme,k,error\ncascaded,4,7.8e-5\n");
+    /// # Ok::<(), std::io::Error>(())
+    /// ```
     pub fn new(columns: [&'static str; N]) -> Self {
         Table { columns, rows: Vec::new() }
     }

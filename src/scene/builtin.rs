@@ -33,12 +33,12 @@ pub const PRESETS: &[(&str, &str)] = presets![
     "pillar",
     "room-with-window",
     "mirrored-room",
-    "descent",
-    "moving-lobe",
     "cornell",
     "cube-room",
     "room-with-windows",
     "atrium",
+    "descent",
+    "moving-lobe",
 ];
 
 /// Files beside the presets that some of them read, by their path from the presets' folder.

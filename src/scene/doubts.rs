@@ -40,15 +40,15 @@ fn shut_in(problem: &Problem, light: &[(Cell, Sh<f64>)]) -> Option<Fault> {
         return None;
     }
     let order = |cell: Cell| [cell[2], cell[1], cell[0]];
-    let opaque = |(axis, cell): (usize, Cell)| {
+    let opaque = |cell: Cell| {
         let found = problem.solids.binary_search_by_key(&order(cell), |solid| order(solid.cell));
-        found.is_ok_and(|i| problem.solids[i].opacity[axis] >= 1.0)
+        found.is_ok_and(|i| problem.solids[i].opacity.iter().all(|opacity| *opacity >= 1.0))
     };
     let is_shut = |cell: Cell| {
         let neighbours = (0..6).map(|face| {
             let (axis, mut neighbour) = (face / 2, cell);
             neighbour[axis] = if face % 2 == 0 { cell[axis].checked_sub(1)? } else { cell[axis] + 1 };
-            (neighbour[axis] < problem.size).then_some((axis, neighbour))
+            (neighbour[axis] < problem.size).then_some(neighbour)
         });
         // Through the volume's border light leaves.
         neighbours.into_iter().all(|neighbour| neighbour.is_some_and(opaque))

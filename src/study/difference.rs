@@ -22,6 +22,25 @@ pub struct Difference {
 
 impl Difference {
     /// Between two runs of the same size; `None` if the sizes differ.
+    ///
+    /// ```
+    /// use lpv_lab::scene::Problem;
+    /// use lpv_lab::simulation::Simulation;
+    /// use lpv_lab::study::difference::Difference;
+    /// use lpv_lab::transport::preset;
+    ///
+    /// let run = |x: usize| -> Result<Simulation<f32>, Box<dyn std::error::Error>> {
+    ///     let text = format!("(version: 1, size: 16, injectors: [(kind: Single(cell: ({x}, 8, 8)))])");
+    ///     let problem = Problem::build(&preset::parse(&text, "lobe.ron".as_ref())?, "".as_ref())?;
+    ///     let mut simulation = Simulation::new(problem)?;
+    ///     simulation.run(|_| true);
+    ///     Ok(simulation)
+    /// };
+    /// let difference = Difference::between(&run(7)?, &run(8)?).expect("both are of one size");
+    /// assert_eq!(difference.moved(), [1.0, 0.0, 0.0]);
+    /// assert!(difference.rows[0].l1_ratio > 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn between(first: &Simulation<f32>, second: &Simulation<f32>) -> Option<Self> {
         let n = first.sizes().finest();
         if n != second.sizes().finest() {

@@ -88,6 +88,12 @@ pub fn identify(dumps: &Dumps, pattern: Option<&Pattern>, hidden: &[bool]) -> Re
     let lost = dumps.source.len() + dumps.accumulated.len() - finite.source.len() - finite.accumulated.len();
     let hidden = if hidden.is_empty() { vec![false; side.pow(3)] } else { hidden.to_vec() };
     let mut verdict = judge::judge(&finite, layout, injection, hidden);
+    let negative = |dump: &Dump| dump.numbers.iter().flatten().any(|c| *c < 0.0);
+    if pattern.is_some() && !negative(&dumps.injected) {
+        let text = "No number of the injected grid is negative: an unsigned format loses where light goes. Use a signed \
+                    or floating-point format.";
+        verdict.notes.push(text.to_owned());
+    }
     if lost > 0 {
         verdict.notes.push(format!("{lost} of the later dumps overflow and are left out."));
     }

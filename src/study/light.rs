@@ -81,6 +81,13 @@ impl Brightness {
 
 /// The mean place of the light of an n³ volume, in cells (x, y, z), `light` being one number a cell, x fastest; the
 /// middle of the volume where there is none.
+///
+/// ```
+/// use lpv_lab::study::light::centroid;
+///
+/// // A 2³ volume, all its light in the cells (0, 0, 0) and (1, 0, 0).
+/// assert_eq!(centroid(2, &[1.0, 3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]), [0.75, 0.0, 0.0]);
+/// ```
 pub fn centroid(n: usize, light: &[f64]) -> [f64; 3] {
     let sum: f64 = light.iter().sum();
     if sum == 0.0 {

@@ -88,6 +88,26 @@ pub struct Row {
 
 /// Of the ways on one scene and size against one reference those that no other beats in both time and error
 /// after the best scalar, the fastest first.
+///
+/// ```
+/// use lpv_lab::study::expectation::Expectation;
+/// use lpv_lab::study::fit::BestFit;
+/// use lpv_lab::study::pareto::{Propagator, Row, Treatment, front};
+///
+/// let row = |seconds: f64, error: f64| Row {
+///     preset: "mixed".to_owned(),
+///     propagator: Propagator { scheme: "cascaded", setting: None },
+///     treatment: Treatment::Uniform,
+///     size: 32,
+///     iterations: 4,
+///     seconds,
+///     expectation: Expectation::Merged,
+///     l1: BestFit { raw: error, fitted: error, scale: 1.0 },
+/// };
+/// let rows = [row(1.0, 0.5), row(2.0, 0.6), row(3.0, 0.1)];
+/// let best: Vec<f64> = front(&rows.each_ref()).iter().map(|row| row.seconds).collect();
+/// assert_eq!(best, [1.0, 3.0]);
+/// ```
 pub fn front<'a>(rows: &[&'a Row]) -> Vec<&'a Row> {
     let mut sorted = rows.to_vec();
     sorted.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));

@@ -19,13 +19,14 @@
 
 mod beams;
 pub mod directions;
+mod receive;
 pub mod shares;
 pub mod stepper;
 mod sweep;
 
 use glam::DVec3;
 
-use super::kind::{Capabilities, Device, Kind, Law};
+use super::kind::{Capabilities, Kind, Law};
 use super::team;
 use super::transparency::Transparency;
 use crate::field::Grid;
@@ -46,7 +47,7 @@ pub fn kinds() -> Vec<Kind> {
         summary: "light that keeps its direction, on the finest level",
         source: "discrete ordinates, by the donor cell rule or by where a beam leaves a cell",
         flaws: "with few directions light arrives in rays; beams widen as they cross cell borders; nothing is reflected",
-        can: Capabilities { levels: false, occluders: true, clamp: false, grows: false, device: Device::Cpu },
+        can: Capabilities { levels: false, occluders: true, clamp: false, grows: false },
         conserving: 4.0,
         laws,
         check: |_| Ok(()),
@@ -54,6 +55,7 @@ pub fn kinds() -> Vec<Kind> {
         bytes: beams::bytes,
         single: Beams::made,
         double: Some(Beams::made),
+        card: None,
     }]
 }
 
@@ -126,6 +128,11 @@ impl<T: Real> Ordinates<T> {
     /// How many directions there are, N.
     pub fn count(&self) -> usize {
         self.count
+    }
+
+    /// How many numbers are kept for each face: directions, and lanes that carry none.
+    fn lanes(&self) -> usize {
+        self.octants.iter().map(|octant| LANES * octant.groups.len()).sum()
     }
 
     /// The rule by which light is shared.

@@ -101,8 +101,8 @@ impl Lab {
             },
             Purpose::Injector(i) => self.session.injector_file(i, path),
             Purpose::Occluder(i) => self.session.occluder_file(i, path),
-            Purpose::Dump => self.session.add_dump(path),
             Purpose::Mesh => self.session.mesh_file(path),
+            Purpose::Dump => self.session.add_dump(path),
         }
     }
 

@@ -6,6 +6,7 @@ use super::button::small_button;
 use super::field::name;
 use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
+use crate::app::session::command::Command;
 use crate::app::session::port::{Answer, Port};
 use crate::app::session::purpose::Purpose;
 use crate::report::slice::Axis;
@@ -99,7 +100,7 @@ pub fn verdict(ui: &mut Ui, answer: &Answer, asks: &mut Asks) {
         match Preset::parse(&preset, std::path::Path::new("corrected")) {
             Ok(preset) => {
                 asks.ask(Ask::Preset(Box::new(preset)));
-                asks.ask(Ask::Say("The corrected preset is the document now".to_owned()));
+                asks.command(Command::ToLight);
             }
             Err(error) => asks.ask(Ask::Say(error.to_string())),
         }

@@ -57,12 +57,12 @@ pub struct Desk {
     /// The metric that is seen.
     metric: Option<Expectation>,
     measured: Ledger,
+    /// What scenes with a mesh were made from: a light that moves makes nothing anew but its own map.
+    cache: Cache,
     peaks: Peaks,
     /// What the window knows the present run by.
     tag: u64,
     branches: Branches,
-    /// What scenes with a mesh were made from: a light that moves makes nothing anew but its own map.
-    cache: Cache,
 }
 
 impl Desk {
@@ -91,10 +91,10 @@ impl Desk {
             references: References::default(),
             metric: None,
             measured: Ledger::default(),
+            cache: Cache::default(),
             peaks: Peaks::default(),
             tag: 0,
             branches: Branches::default(),
-            cache: Cache::default(),
         }
     }
 

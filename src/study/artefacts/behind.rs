@@ -62,14 +62,14 @@ impl Behind {
                     false
                 })
             };
-            let free = (0..n).map(|x| [x, y, z]).filter(|cell| opaque.at(*cell) > 0.0 && !lit.get(*cell));
+            let free = (0..n).map(|x| [x, y, z]).filter(|cell| opaque.least(*cell) > 0.0 && !lit.get(*cell));
             let on_lattice = |cell: &Cell| cell.iter().all(|c| c % apart == apart / 2);
             free.filter(|cell| !reached.get(*cell) || (on_lattice(cell) && is_hidden(*cell))).collect::<Vec<Cell>>()
         };
         let mut cells = Marks::new(n);
         let hidden: Vec<Vec<Cell>> = (0..n * n).into_par_iter().map(hidden_in_row).collect();
         hidden.iter().flatten().for_each(|cell| cells.set(*cell));
-        fill(&mut cells, apart, |cell| opaque.at(cell) > 0.0 && !lit.get(cell));
+        fill(&mut cells, apart, |cell| opaque.least(cell) > 0.0 && !lit.get(cell));
         if lights.is_empty() || cells.count() == 0 {
             return None;
         }
@@ -116,7 +116,7 @@ fn reached(lit: &Marks, opaque: &Transparency) -> Marks {
     let mut front: Vec<Cell> = Layout::new(n).cells().filter(|cell| lit.get(*cell)).collect();
     while let Some(cell) = front.pop() {
         for next in Direction::ALL.iter().filter_map(|direction| direction.neighbour(cell, n)) {
-            if opaque.at(next) > 0.0 && !reached.get(next) {
+            if opaque.least(next) > 0.0 && !reached.get(next) {
                 reached.set(next);
                 front.push(next);
             }

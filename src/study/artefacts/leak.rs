@@ -22,6 +22,27 @@ use crate::transport::kind::Precision;
 
 /// The leak of a state that its problem's own iterations led to; `None` where nothing lies behind an occluder.
 ///
+/// ```
+/// use lpv_lab::scene::Problem;
+/// use lpv_lab::simulation::Simulation;
+/// use lpv_lab::study::artefacts::leak;
+/// use lpv_lab::transport::preset;
+///
+/// let leak = |mode: &str| -> Result<f64, Box<dyn std::error::Error>> {
+///     let text = format!(
+///         "(version: 1, size: 8, injectors: [(kind: Wall(side: NegX))],
+///           occluders: [(kind: Plane(axis: X, at: 4), normal: (-1, 0, 0))], occlusion: (mode: {mode}))"
+///     );
+///     let problem = Problem::build(&preset::parse(&text, "wall.ron".as_ref())?, "".as_ref())?;
+///     let mut simulation = Simulation::<f32>::new(problem)?;
+///     simulation.run(|_| true);
+///     Ok(leak::of(&simulation)?.and_then(|leak| leak.finest()).expect("half of the volume lies behind the wall"))
+/// };
+/// assert_eq!((leak("Off")?, leak("Hard")?), (1.0, 0.0));
+/// assert!((0.3..0.5).contains(&leak("Fuzzy")?));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// Where memory is short: the same iterations are done once more without occluders.
 pub fn of<T: Precision>(state: &Simulation<T>) -> Result<Option<Shares>, Refusal> {

@@ -61,6 +61,17 @@ impl CellError {
 }
 
 /// Sums over cells, from which an [`ErrorRow`] is made.
+///
+/// ```
+/// use lpv_lab::study::error::Tally;
+/// use lpv_lab::study::expectation::Expectation;
+///
+/// let mut tally = Tally::default();
+/// tally.add(0.5, 1.0, 1.5); // ‖O − Ô‖, ‖O‖ and ‖Ô‖ of a cell
+/// tally.add(0.3, 0.0, 0.3); // dark where light was expected
+/// let row = tally.row(4, Expectation::Merged, None);
+/// assert_eq!((row.absolute_mean, row.relative_mean, row.undefined), (0.4, 0.5, 1));
+/// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tally {
     cells: usize,

@@ -225,7 +225,7 @@ impl Step {
         self.collect(port, receivers, &usual, true, &mut sums);
         let fit = sums.solve(DEVIATION);
         let tolerances = self.tolerances(port, &rough.weights, rounding, receivers);
-        let agreement = self.agreement(port, &fit.weights, receivers, &tolerances);
+        let agreement = self.agreement(port, &fit, receivers, &tolerances);
         (fit, agreement)
     }
 
@@ -293,24 +293,22 @@ impl Step {
         receivers.iter().map(tolerance).collect()
     }
 
-    /// How the step with these weights agrees with the dump.
-    pub fn agreement(
-        &self,
-        port: &Port,
-        weights: &[f64; KINDS],
-        receivers: &[Cell],
-        tolerances: &[[f64; 4]],
-    ) -> Agreement {
+    /// How the step with fitted weights agrees with the dump.
+    fn agreement(&self, port: &Port, fit: &Fit, receivers: &[Cell], tolerances: &[[f64; 4]]) -> Agreement {
+        let deviations: [f64; KINDS] = std::array::from_fn(|i| fit.covariance[i][i].max(0.0).sqrt());
         let mut agreement =
             Agreement { worst: 0.0, agreeing: 0, cells: 0, first_wrong: None, expected: [0.0; 4], found: [0.0; 4] };
         for (&cell, tolerance) in receivers.iter().zip(tolerances) {
             let columns = port.columns(&self.before, &self.after, cell).unwrap_or_default();
-            let expected = weighted(weights, &columns);
+            let expected = weighted(&fit.weights, &columns);
+            // The weights are not known exactly.
+            let unsure = weighted(&deviations, &columns.map(|column| column.map(f64::abs)));
             let found = self.after.get(cell);
             if !is_lit(&found) && !is_lit(&expected) {
                 continue;
             }
-            let off = (0..4).map(|c| (expected[c] - found[c]).abs() / tolerance[c]).fold(0.0, f64::max);
+            let off =
+                (0..4).map(|c| (expected[c] - found[c]).abs() / (tolerance[c] + 3.0 * unsure[c])).fold(0.0, f64::max);
             agreement.cells += 1;
             agreement.worst = agreement.worst.max(off);
             if off <= SLACK {

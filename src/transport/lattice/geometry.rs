@@ -45,7 +45,7 @@ impl<T: Real> Geometry<T> {
 
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
-        self.lobes.bytes() + self.surfaces.bytes()
+        self.lobes.bytes() + self.surfaces.bytes() + self.covers.bytes()
     }
 
     /// The blocker of a cell.

@@ -8,7 +8,7 @@
 //! - *Factor*: what leaves a cell is multiplied with p/4, the mean gain that `cascaded` has. At 4 nothing is
 //!   lost or gained, and the sum is what truly arrives; below, the volume is a haze that takes 1 − p/4 of it
 //!   in each cell.
-//! - *Occluders*: in both modes a cell lets 1 − opacity of what enters it pass, whatever its normal. Nothing is
+//! - *Occluders*: in both modes a cell lets 1 − opacity of what enters it pass, by the axis of the face it enters by. Nothing is
 //!   sent back.
 //! - *Snapshots* count as for a scheme. Clamp and policy of the levels do not matter.
 
@@ -43,16 +43,20 @@ pub(super) struct Beams<T> {
     /// What the flux under way and the accumulated coefficients cannot exceed.
     flux: f64,
     accumulated: f64,
+    /// Of light that surfaces have yet to send, what it adds to that.
+    of_surfaces: f64,
+    /// By channel, what each receiver of the problem has received, times a cell's side squared.
+    received: Vec<Vec<f64>>,
 }
 
 /// Bytes that the light under way will take: what comes in by three faces, for each direction and cell.
 pub(super) fn bytes(problem: &Problem, sizes: Levels, channels: usize, number: usize) -> u64 {
-    // A group of directions is at most one lane short in each octant; that is not counted.
-    let directions = problem.propagation.ordinates.directions.next_multiple_of(super::LANES) as u64;
+    let lanes = Ordinates::<f32>::of(&problem.propagation.ordinates).lanes() as u64;
     let cells = (sizes.finest() as u64).pow(3);
     let unsent = memory::of_grid::<f32>(sizes.finest()) * number as u64 / size_of::<f32>() as u64;
-    let transparency = if problem.has_occluders() { cells * size_of::<f32>() as u64 } else { 0 };
-    (3 * directions * cells * number as u64 + unsent) * channels as u64 + transparency
+    let transparency = if problem.has_occluders() { cells * size_of::<[f32; 3]>() as u64 } else { 0 };
+    let received = (problem.receivers.len() * size_of::<f64>()) as u64;
+    (3 * lanes * cells * number as u64 + unsent + received) * channels as u64 + transparency
 }
 
 impl<T: Real> Beams<T> {
@@ -67,6 +71,8 @@ impl<T: Real> Beams<T> {
             gain: problem.propagation.factor / KEEPS_ALL,
             flux: 0.0,
             accumulated: 0.0,
+            of_surfaces: 0.0,
+            received: vec![vec![0.0; problem.receivers.len()]; channels.count()],
             channels: channels.clone(),
             problem: Arc::clone(problem),
         }
@@ -81,7 +87,8 @@ impl<T: Real> Transport<T> for Beams<T> {
     /// Every cell is sampled at level 0.
     fn start(&mut self, state: &mut State<T>) {
         self.steppers.iter_mut().for_each(Stepper::clear);
-        (self.flux, self.accumulated) = (0.0, 0.0);
+        (self.flux, self.accumulated, self.of_surfaces) = (0.0, 0.0, 0.0);
+        self.received.iter_mut().for_each(|received| received.fill(0.0));
         state.index.level_mut(0).fill();
     }
 
@@ -90,7 +97,12 @@ impl<T: Real> Transport<T> for Beams<T> {
         for source in &self.problem.sources {
             for (channel, stepper) in self.steppers.iter_mut().enumerate() {
                 let weight = self.channels.weight(channel, source.color);
-                for (cell, value) in &source.light {
+                // Light that leaves surfaces is known better than by its lobes.
+                for surface in &source.cosines {
+                    stepper.inject_surface(surface.cell, surface.normal, surface.flux * weight);
+                    self.of_surfaces += surface.flux * weight;
+                }
+                for (cell, value) in source.light.iter().filter(|_| source.cosines.is_empty()) {
                     stepper.inject(*cell, (*value * weight).cast());
                 }
             }
@@ -108,6 +120,7 @@ impl<T: Real> Transport<T> for Beams<T> {
             SPHERE * (K0 * light.0[0].abs() + K1 * light.vector().length())
         };
         let unsent: f64 = self.steppers.iter().flat_map(|stepper| stepper.unsent().iter()).map(|(_, c)| sent(c)).sum();
+        let unsent = unsent + std::mem::take(&mut self.of_surfaces);
         let flux = (self.flux + unsent) * self.gain;
         let accumulated = self.accumulated + unsent + K1 * flux;
         // Not true of NaN either.
@@ -130,9 +143,11 @@ impl<T: Real> Transport<T> for Beams<T> {
         let counts_twice = state.iteration == 0 && self.problem.propagation.snapshots == Snapshots::CopyFirst;
         let sizes = state.sizes();
         let mut arrived = Grid::new(sizes.finest());
-        for (light, stepper) in state.lights.iter_mut().zip(&mut self.steppers) {
+        let channels = self.steppers.iter_mut().zip(&mut self.received);
+        for (light, (stepper, received)) in state.lights.iter_mut().zip(channels) {
             let again = counts_twice.then(|| stepper.unsent().clone());
             stepper.step(T::of(self.gain), self.transparency.as_deref(), &mut arrived);
+            stepper.receive(&self.problem.receivers, received);
             let target = light.target.level_mut(0);
             target.copy_from(&arrived);
             if let Some(again) = again {
@@ -153,7 +168,12 @@ impl<T: Real> Transport<T> for Beams<T> {
     }
 
     fn bytes(&self) -> usize {
-        self.steppers.iter().map(Stepper::bytes_now).sum()
+        let received: usize = self.received.iter().map(|received| size_of_val(received.as_slice())).sum();
+        self.steppers.iter().map(Stepper::bytes_now).sum::<usize>() + received
+    }
+
+    fn received(&self) -> Option<&[Vec<f64>]> {
+        Some(&self.received)
     }
 
     fn shared_bytes(&self) -> usize {

@@ -1,5 +1,8 @@
 //! Ordinates by the iteration: every front moves one cell a step.
 
+use std::collections::HashMap;
+
+use glam::DVec3;
 use multiversion::multiversion;
 use rayon::prelude::*;
 
@@ -13,7 +16,7 @@ use crate::transport::transparency::Transparency;
 const PIECES: usize = 4;
 
 /// What has come into a cell by its low faces, as the wind of a group blows.
-type Came<T> = [Lanes<T>; 3];
+pub(super) type Came<T> = [Lanes<T>; 3];
 
 /// Light of one channel under way in all directions. Once it moves it takes three numbers a cell and direction.
 #[derive(Clone, Debug)]
@@ -24,12 +27,16 @@ pub struct Stepper<T = f32> {
     under_way: Vec<Vec<Came<T>>>,
     /// What has not been sent yet.
     unsent: Grid<T>,
+    surfaces: Surfaces<T>,
 }
+
+/// Light of surfaces that has not been sent yet: by cell, normals and what goes along them [W/sr].
+type Surfaces<T> = HashMap<usize, Vec<([T; 3], T)>>;
 
 impl<T: Real> Stepper<T> {
     /// A dark volume of n³ cells.
     pub fn new(ordinates: Ordinates<T>, n: usize) -> Self {
-        Stepper { ordinates, n, under_way: Vec::new(), unsent: Grid::new(n) }
+        Stepper { ordinates, n, under_way: Vec::new(), unsent: Grid::new(n), surfaces: Surfaces::default() }
     }
 
     /// Bytes that it takes now.
@@ -41,6 +48,7 @@ impl<T: Real> Stepper<T> {
     pub fn clear(&mut self) {
         self.under_way.clear();
         self.unsent.clear();
+        self.surfaces.clear();
     }
 
     /// Adds light to a cell, to be sent by the next step.
@@ -48,7 +56,28 @@ impl<T: Real> Stepper<T> {
         self.unsent.add(cell, light);
     }
 
-    /// What the next step will send.
+    /// Adds light of a surface in a cell, (flux/π)·max(0, n·u) along u, to be sent by the next step. In place of π
+    /// stands what the set's directions make of it, so that no light is lost between them.
+    pub fn inject_surface(&mut self, [x, y, z]: Cell, normal: DVec3, flux: f64) {
+        let normal = normal.to_array().map(T::of);
+        let groups = self.ordinates.octants.iter().flat_map(|octant| &octant.groups);
+        let whole: f64 = groups.flat_map(|group| group.lambert(normal)).map(T::to_f64).sum();
+        if whole > 0.0 {
+            let light = (normal, T::of(flux / whole));
+            self.surfaces.entry((z * self.n + y) * self.n + x).or_default().push(light);
+        }
+    }
+
+    /// What came into a cell in the last step: for each group of directions the fluxes by its low faces.
+    pub(super) fn arrivals(&self, cell: Cell) -> impl Iterator<Item = (&Group<T>, &Came<T>)> {
+        let groups = self.ordinates.octants.iter().flat_map(|octant| octant.groups.iter().map(move |g| (octant, g)));
+        groups.zip(&self.under_way).map(move |((octant, group), came)| {
+            let [x, y, z] = turned(octant, self.n, cell);
+            (group, &came[(z * self.n + y) * self.n + x])
+        })
+    }
+
+    /// What the next step will send of lobes.
     pub fn unsent(&self) -> &Grid<T> {
         &self.unsent
     }
@@ -61,10 +90,10 @@ impl<T: Real> Stepper<T> {
         let dark = [[T::ZERO; LANES]; 3];
         self.under_way.resize_with(groups.len(), || vec![dark; self.n.pow(3)]);
         let piece = groups.len().div_ceil(PIECES).max(1);
-        let (unsent, rule) = (&self.unsent, self.ordinates.rule);
+        let (unsent, rule) = ((&self.unsent, &self.surfaces), self.ordinates.rule);
         let pieces = groups.par_chunks(piece).zip(self.under_way.par_chunks_mut(piece));
         let run = |(groups, under_way): (&[(&Octant<T>, &Group<T>)], &mut [Vec<Came<T>>])| {
-            let mut arrived = Grid::new(unsent.side());
+            let mut arrived = Grid::new(unsent.0.side());
             for (wind, came) in groups.iter().zip(under_way) {
                 advance(*wind, rule, gain, unsent, occluders, came);
                 arrive(*wind, came, &mut arrived);
@@ -75,6 +104,17 @@ impl<T: Real> Stepper<T> {
         arrived.clear();
         parts.iter().for_each(|part| arrived.add_grid(part));
         self.unsent.clear();
+        self.surfaces.clear();
+    }
+}
+
+impl<T: Real> Group<T> {
+    /// For each direction its solid angle times the cosine to a surface's normal, if it leaves the surface.
+    fn lambert(&self, normal: [T; 3]) -> Lanes<T> {
+        std::array::from_fn(|l| {
+            let cosine = self.way[0][l] * normal[0] + self.way[1][l] * normal[1] + self.way[2][l] * normal[2];
+            if cosine > T::ZERO { cosine * self.weight[l] } else { T::ZERO }
+        })
     }
 }
 
@@ -89,7 +129,7 @@ fn advance<T: Real>(
     (octant, group): (&Octant<T>, &Group<T>),
     rule: Rule,
     gain: T,
-    unsent: &Grid<T>,
+    (unsent, surfaces): (&Grid<T>, &Surfaces<T>),
     occluders: Option<&Transparency>,
     under_way: &mut [Came<T>],
 ) {
@@ -99,10 +139,16 @@ fn advance<T: Real>(
     for (i, at) in (0..n.pow(3)).rev().map(|i| (i, [i % n, i / n % n, i / n / n])) {
         let cell = turned(octant, n, at);
         let (came, light) = (under_way[i], unsent.get(cell));
+        let of_surfaces =
+            if surfaces.is_empty() { None } else { surfaces.get(&((cell[2] * n + cell[1]) * n + cell[0])) };
         let mut leaves = dark;
-        if !light.is_zero() || came != dark {
-            let sent = if light.is_zero() { dark[0] } else { group.sent(light) };
-            let passes = occluders.map_or(T::of(1.0), |occluders| T::of(f64::from(occluders.at(cell))));
+        if !light.is_zero() || came != dark || of_surfaces.is_some() {
+            let mut sent = if light.is_zero() { dark[0] } else { group.sent(light) };
+            for (normal, along) in of_surfaces.into_iter().flatten() {
+                sent.iter_mut().zip(group.lambert(*normal)).for_each(|(sent, lambert)| *sent += *along * lambert);
+            }
+            let passes =
+                occluders.map_or([T::of(1.0); 3], |occluders| occluders.at(cell).map(|share| T::of(f64::from(share))));
             let mut unseen = [dark[0]; 4];
             leaves = match rule {
                 Rule::Donor => group.cross::<true>(came, sent, passes, &mut unseen),

@@ -96,7 +96,8 @@ fn any<T: Real, const DONOR: bool>(
                 let at = layout.index(cell);
                 let light = if lit.contains(&cell[0]) { injected.at(at) } else { Sh::ZERO };
                 let lit = !light.is_zero();
-                let passes = occluders.map_or(T::of(1.0), |occluders| T::of(f64::from(occluders.at(cell))));
+                let passes = occluders
+                    .map_or([T::of(1.0); 3], |occluders| occluders.at(cell).map(|share| T::of(f64::from(share))));
                 let ahead = xi * groups.len()..(xi + 1) * groups.len();
                 let under_way = by_x.iter_mut().zip(&mut by_y[ahead.clone()]).zip(&mut by_z[ahead]);
                 let mut sum = [dark; 4];
@@ -134,7 +135,7 @@ impl<T: Real> Group<T> {
         &self,
         came: [Lanes<T>; 3],
         sent: Lanes<T>,
-        passes: T,
+        passes: [T; 3],
         sum: &mut [Lanes<T>; 4],
     ) -> [Lanes<T>; 3] {
         let mut leaves = [[T::ZERO; LANES]; 3];
@@ -142,15 +143,16 @@ impl<T: Real> Group<T> {
             // The next cell along x waits for what comes of the first.
             let flux = came[0][l] + (came[1][l] + came[2][l]);
             sum[0][l] += flux;
+            let passed = [0, 1, 2].map(|k: usize| came[k][l] * passes[k]);
             for j in 0..3 {
                 sum[1 + j][l] += flux * self.way[j][l];
                 let left = if DONOR {
-                    self.start[j][l] * (flux * passes + sent[l])
+                    self.start[j][l] * (passed[0] + (passed[1] + passed[2]) + sent[l])
                 } else {
-                    let through = self.through[0][j][l] * came[0][l]
-                        + self.through[1][j][l] * came[1][l]
-                        + self.through[2][j][l] * came[2][l];
-                    through * passes + self.start[j][l] * sent[l]
+                    self.through[0][j][l] * passed[0]
+                        + self.through[1][j][l] * passed[1]
+                        + self.through[2][j][l] * passed[2]
+                        + self.start[j][l] * sent[l]
                 };
                 // Beams fade sideways without end; denormal numbers would cost more than all the rest.
                 leaves[j][l] = if left < T::of(FLOOR) { T::ZERO } else { left };

@@ -3,7 +3,7 @@
 //! Like [`super::plain`] this is a definition: it gathers, cell by cell, what the six neighbours send.
 
 use super::fuzzy::Around;
-pub use super::fuzzy::Fuzzy;
+pub use super::fuzzy::{Fuzzy, REFLECTION};
 pub use super::gather::Which;
 use super::gather::sender;
 use super::settle;
@@ -91,6 +91,25 @@ impl<T: Real> Occluders<T> {
         }
     }
 
+    /// For each of the `touched` cells of an n³ level what a card keeps of its surroundings, as
+    /// `kernels/solids.wgsl` takes it.
+    pub fn tables(&self, level: usize, n: usize, touched: &Touched<T>) -> Vec<(Cell, Vec<[T; 4]>)> {
+        let table = |(i, &cell): (usize, &Cell)| {
+            let table = match self {
+                Occluders::Fuzzy(fuzzy) => {
+                    let around = touched.around.get(i).copied().unwrap_or_else(|| fuzzy.around(level, cell));
+                    around.iter().flat_map(Around::table).collect()
+                }
+                Occluders::Hard(hard) => Direction::ALL.iter().map(|d| hard.table(level, cell, *d, n)).collect(),
+                Occluders::Mirrored(mirrored) => {
+                    Direction::ALL.iter().map(|d| mirrored.table(level, cell, d.axis())).collect()
+                }
+            };
+            (cell, table)
+        };
+        touched.cells.iter().enumerate().map(table).collect()
+    }
+
     /// The cells of an n³ level whose light depends on an occluder; the others receive what they would
     /// without any.
     pub fn touched(&self, level: usize, n: usize) -> Touched<T> {
@@ -129,6 +148,13 @@ pub struct Touched<T> {
 }
 
 impl<T: Real> Mirrored<T> {
+    /// The share of light along `axis` that passes a cell, and what it mirrors of red, green and blue.
+    fn table(&self, level: usize, cell: Cell, axis: usize) -> [T; 4] {
+        let occupied = self.geometry.opacity(level, cell, axis);
+        let [red, green, blue] = [0, 1, 2].map(|colour| occupied * self.geometry.albedo(level, cell, colour));
+        [T::of(1.0) - occupied, red, green, blue]
+    }
+
     fn receive(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, cell: Cell, d: usize) -> Sh<T> {
         let direction = Direction::ALL[d];
         let sent = stencil.send(d, sender(source, cell, direction));
@@ -139,6 +165,18 @@ impl<T: Real> Mirrored<T> {
 }
 
 impl<T: Real> Hard<T> {
+    /// The share of light along `direction` that passes a cell, and what the next cell sends back of red, green and
+    /// blue.
+    fn table(&self, level: usize, cell: Cell, direction: Direction, n: usize) -> [T; 4] {
+        let passes = |cell| self.barrier.passes(level, cell, direction.axis());
+        let reflected = |colour| {
+            direction.neighbour(cell, n).map_or(T::ZERO, |next| {
+                (T::of(1.0) - passes(next)) * self.geometry.albedo(level, next, colour) * self.bounce
+            })
+        };
+        [passes(cell), reflected(0), reflected(1), reflected(2)]
+    }
+
     /// Whether the cell or a neighbour holds light up.
     fn touches(&self, level: usize, cell: Cell, n: usize) -> bool {
         let is_open = |cell| (0..3).all(|axis| self.barrier.passes(level, cell, axis) == T::of(1.0));
