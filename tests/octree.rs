@@ -105,10 +105,16 @@ fn a_descent_of_four_iterations_comes_near_the_fixed_point() {
 }
 
 #[test]
-fn and_so_it_does_in_scenes_it_was_not_made_for() {
+fn leaves_that_start_far_from_light_do_so_in_scenes_they_were_not_made_for() {
     for factor in [3.0, 3.8] {
         for problem in held_out(factor) {
-            four_iterations_are_near_all_the_light_there_will_be(&problem);
+            let rows = measured(&problem);
+            let errors =
+                ["same", "descent-cells", "descent-leaves-2", "descent-leaves-3"].map(|way| of(&rows, way).converged);
+            println!("p = {factor}: {errors:.3?}");
+            let [same, cells, two, three] = errors;
+            assert!(three <= 0.07, "{factor}: {errors:?}");
+            assert!(2.0 * cells.max(two) < same, "{factor}: {errors:?}");
         }
     }
 }

@@ -133,8 +133,10 @@ pub fn run(args: &MotionArgs) -> Result<(), CliError> {
     folder.write_table("motion.csv", &table(&frames))?;
     folder.write_table("pinned.csv", &pinned(&frames, &setting))?;
     folder.write_svg_and_png("motion", &figure(&frames, &setting).to_svg())?;
-    let animation = apng::join(&pictures, (1000.0 / args.rate).round().clamp(1.0, 65_535.0) as u16);
-    folder.write("animation.png", animation.map_err(|error| CliError::Failed(error.to_string()))?)?;
+    if !pictures.is_empty() {
+        let animation = apng::join(&pictures, (1000.0 / args.rate).round().clamp(1.0, 65_535.0) as u16);
+        folder.write("animation.png", animation.map_err(|error| CliError::Failed(error.to_string()))?)?;
+    }
     let error = frames.iter().map(|frame| frame.error).sum::<f64>() / frames.len().max(1) as f64;
     say!(
         "{} frames: mean flicker {:.4}, mean L1 error {error:.4}; results in {}",

@@ -10,7 +10,8 @@
 //! | Δ ln(S + ε) − Δ ln(U + ε) |
 //! ```
 //!
-//! 0 where light changes as it should, 0.1 where it changes by a tenth more or less.
+//! 0 where light changes as it should, 0.1 where it changes by a tenth more or less. The mean is over the cells in which
+//! any of the four is above ε: nobody sees the others.
 
 use super::light::channel_scales;
 use crate::field::{Cell, Grid, Levels, Octree};
@@ -154,13 +155,17 @@ fn mean(light: &[Grid<f32>], scales: &[f64]) -> Vec<f64> {
 /// Mean and largest flicker between two frames, each as S and U.
 fn flicker([s, u]: &[Vec<f64>; 2], [s_now, u_now]: &[Vec<f64>; 2], faint: f64) -> [f64; 2] {
     let change = |before: f64, now: f64| ((now + faint) / (before + faint)).ln();
-    let (mut sum, mut most) = (0.0, 0.0f64);
+    let (mut sum, mut seen, mut most) = (0.0, 0usize, 0.0f64);
     for i in 0..s.len() {
+        if [s[i], s_now[i], u[i], u_now[i]].into_iter().fold(0.0, f64::max) <= faint {
+            continue;
+        }
         let off = (change(s[i], s_now[i]) - change(u[i], u_now[i])).abs();
         sum += off;
+        seen += 1;
         most = most.max(off);
     }
-    [sum / s.len().max(1) as f64, most]
+    [sum / seen.max(1) as f64, most]
 }
 
 /// A run whose frames start from what the one before has moved: B, without the injected light S, which has gone on.
