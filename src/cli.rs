@@ -16,6 +16,7 @@ mod pattern;
 mod presets;
 mod race;
 mod run;
+mod scene;
 mod schemes;
 mod stability;
 
@@ -74,6 +75,8 @@ pub enum Command {
     Motion(motion::MotionArgs),
     /// List the propagation schemes with their gains and critical factors
     Schemes(schemes::SchemesArgs),
+    /// What a mesh and its lights become in a volume: triangles, light given and injected, occupied cells
+    Scene(scene::SceneCommandArgs),
     /// List the built-in presets, or write them to a folder
     Presets(presets::PresetsArgs),
     /// Gains and critical factors of every scheme and size; single precision against double in long runs
@@ -197,6 +200,7 @@ pub fn execute(command: Command) -> Result<(), CliError> {
         Command::Octree(args) => team::inside(|| octree::run(&args)),
         Command::Motion(args) => team::inside(|| motion::run(&args)),
         Command::Schemes(args) => schemes::run(&args),
+        Command::Scene(args) => team::inside(|| scene::run(&args)),
         Command::Presets(args) => presets::run(&args),
         Command::Stability(args) => team::inside(|| stability::run(&args)),
         Command::Pattern(args) => pattern::run(&args),

@@ -15,6 +15,7 @@ pub mod picture;
 pub mod plot;
 pub mod port;
 pub mod raster;
+pub mod shadow_map;
 pub mod slice;
 mod svg;
 pub mod table;

@@ -130,7 +130,7 @@ impl<T: Precision> Simulation<T> {
         let sizes = Levels::new(problem.size, problem.coarsest)
             .ok_or(Refusal::Sizes { size: problem.size, coarsest: problem.coarsest })?;
         let kind = transport::known(&problem.propagation.scheme)?;
-        let make = T::maker(kind).ok_or(Refusal::Precision { name: kind.name })?;
+        let make = T::maker(kind, options.device).ok_or_else(|| kind.refusal(options.device))?;
         let channels = if options.skip.channels { problem.channels() } else { Channels::separate() };
         let bytes = |size| bytes::<T>(kind, &problem, sizes.with_finest(size), channels.count());
         refuse_what_does_not_fit(sizes.finest(), bytes)?;

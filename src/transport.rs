@@ -34,11 +34,23 @@ use crate::scene::error::{Fault, nearest, quote};
 pub fn kinds() -> &'static [Kind] {
     static KINDS: LazyLock<Vec<Kind>> = LazyLock::new(|| {
         let mut kinds = Vec::new();
-        kinds.extend(descent::kinds());
+        kinds.extend(descent::kinds().into_iter().map(on_card));
         kinds.extend(ordinates::kinds());
         kinds
     });
     &KINDS
+}
+
+/// The same kind, which a graphics card computes, too.
+#[cfg(feature = "gpu")]
+fn on_card(kind: Kind) -> Kind {
+    Kind { card: Some(gpu::card::OnCard::made), ..kind }
+}
+
+/// Without the feature `gpu` no card computes anything.
+#[cfg(not(feature = "gpu"))]
+fn on_card(kind: Kind) -> Kind {
+    kind
 }
 
 /// The kind called `name`.

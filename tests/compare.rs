@@ -16,20 +16,25 @@ fn lobe(iterations: usize) -> Problem {
     Problem {
         size: 32,
         coarsest: 1,
-        sources: vec![Source { color: [1.0, 0.5, 0.0], light: vec![([16; 3], Sh::lobe(DVec3::X))] }],
+        sources: vec![Source {
+            color: [1.0, 0.5, 0.0],
+            light: vec![([16; 3], Sh::lobe(DVec3::X))],
+            ..Source::default()
+        }],
         solids: Vec::new(),
         occlusion: Occlusion::default(),
         propagation: Propagation { iterations, factor: 3.0, ..Propagation::default() },
+        ..Problem::default()
     }
 }
 
 /// A light before a closed wall.
 fn walled(mode: OcclusionMode) -> Problem {
     let wall = Layout::new(8).cells().filter(|cell| cell[0] == 4);
-    let block = |cell| Solid { cell, normal: DVec3::NEG_X, opacity: 1.0, albedo: [0.0; 3] };
+    let block = |cell| Solid::new(cell, DVec3::NEG_X, 1.0, [0.0; 3]);
     Problem {
         size: 8,
-        sources: vec![Source { color: [1.0; 3], light: vec![([1, 3, 3], Sh::lobe(DVec3::X))] }],
+        sources: vec![Source { color: [1.0; 3], light: vec![([1, 3, 3], Sh::lobe(DVec3::X))], ..Source::default() }],
         solids: wall.map(block).collect(),
         occlusion: Occlusion { mode, ..Occlusion::default() },
         ..lobe(12)

@@ -25,10 +25,11 @@ fn problem(size: usize, light: Lights, propagation: Propagation) -> Problem {
     Problem {
         size,
         coarsest: 1,
-        sources: vec![Source { color: [1.0; 3], light }],
+        sources: vec![Source { color: [1.0; 3], light, ..Source::default() }],
         solids: Vec::new(),
         occlusion: Occlusion::default(),
         propagation,
+        ..Problem::default()
     }
 }
 
@@ -147,9 +148,7 @@ fn conservation() {
 
 #[test]
 fn closed_walls_shut() {
-    let wall = |x: usize| {
-        (0..N * N).map(move |i| Solid { cell: [x, i % N, i / N], normal: DVec3::NEG_X, opacity: 1.0, albedo: [0.0; 3] })
-    };
+    let wall = |x: usize| (0..N * N).map(move |i| Solid::new([x, i % N, i / N], DVec3::NEG_X, 1.0, [0.0; 3]));
     for (kind, propagation) in claiming(Law::Shutters) {
         let mut problem =
             problem(N, vec![lobe([1, 3, 3], [1.0, 0.2, 0.0], 1.0)], Propagation { iterations: 12, ..propagation });
@@ -207,9 +206,7 @@ fn stepping_running_threads_and_skipping_give_the_same_bits() {
 
 #[test]
 fn what_is_counted_is_what_is_allocated() {
-    let wall = |x: usize| {
-        (0..64 * 64).map(move |i| Solid { cell: [x, i % 64, i / 64], normal: DVec3::X, opacity: 1.0, albedo: [0.5; 3] })
-    };
+    let wall = |x: usize| (0..64 * 64).map(move |i| Solid::new([x, i % 64, i / 64], DVec3::X, 1.0, [0.5; 3]));
     for kind in kinds() {
         for mode in [OcclusionMode::Off, OcclusionMode::Fuzzy, OcclusionMode::Hard] {
             let ordinates = Setting { directions: 32, ..Setting::default() };

@@ -19,10 +19,11 @@ fn problem(factor: f64, light: impl IntoIterator<Item = (Cell, DVec3)>) -> Probl
     Problem {
         size: N,
         coarsest: 1,
-        sources: vec![Source { color: [1.0; 3], light }],
+        sources: vec![Source { color: [1.0; 3], light, ..Source::default() }],
         solids: Vec::new(),
         occlusion: Occlusion::default(),
         propagation: Propagation { factor, ..Propagation::default() },
+        ..Problem::default()
     }
 }
 
@@ -229,7 +230,7 @@ fn a_wall_stops_a_descent_as_it_stops_a_uniform_volume() {
     let mut problem = one_lobe(3.8);
     problem.occlusion.mode = OcclusionMode::Hard;
     let wall = (0..N * N).map(|i| [20, i % N, i / N]);
-    problem.solids = wall.map(|cell| Solid { cell, normal: DVec3::NEG_X, opacity: 1.0, albedo: [0.5; 3] }).collect();
+    problem.solids = wall.map(|cell| Solid::new(cell, DVec3::NEG_X, 1.0, [0.5; 3])).collect();
     let mut uniform = Simulation::<f64>::new(Problem { coarsest: N, ..problem.clone() }).unwrap();
     uniform.run_all(Wanted::Everything);
     uniform.advance(600, Wanted::Everything);

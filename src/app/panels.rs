@@ -11,6 +11,7 @@ pub mod inspector;
 pub mod keys;
 pub mod legend;
 pub mod menu;
+pub mod mesh_scene;
 pub mod notice;
 pub mod offer;
 pub mod palette;

@@ -85,7 +85,7 @@ impl Source {
             }
             same
         });
-        Source { color: self.color, light }
+        Source { color: self.color, light, ..Source::default() }
     }
 }
 
@@ -111,7 +111,7 @@ mod tests {
     #[test]
     fn split_light_keeps_its_sum_and_its_centre() {
         let light = vec![([3, 3, 3], Sh([1.0, 0.5, 0.0, 0.0])), ([4, 3, 3], Sh([2.0, 0.0, 0.0, 1.0]))];
-        let source = Source { color: [1.0; 3], light };
+        let source = Source { color: [1.0; 3], light, ..Source::default() };
         let by = DVec3::new(0.25, -1.5, 2.0);
         let moved = source.moved(by, Placing::Split, 16);
         let sum: f64 = moved.light.iter().map(|(_, light)| light.0[0]).sum();

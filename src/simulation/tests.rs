@@ -11,10 +11,11 @@ mod divergence {
         let problem = Problem {
             size: 8,
             coarsest: 1,
-            sources: vec![Source { color: [1.0; 3], light }],
+            sources: vec![Source { color: [1.0; 3], light, ..Source::default() }],
             solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation { factor, iterations: 10_000, snapshots, ..Propagation::default() },
+            ..Problem::default()
         };
         Simulation::new(problem).unwrap()
     }
@@ -80,7 +81,7 @@ mod ordinates {
         Problem {
             size: 8,
             coarsest: 1,
-            sources: vec![Source { color: [1.0, 0.5, 0.0], light }],
+            sources: vec![Source { color: [1.0, 0.5, 0.0], light, ..Source::default() }],
             solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation {
@@ -90,6 +91,7 @@ mod ordinates {
                 ordinates,
                 ..Propagation::default()
             },
+            ..Problem::default()
         }
     }
 
@@ -104,7 +106,7 @@ mod ordinates {
         for mode in [OcclusionMode::Hard, OcclusionMode::Fuzzy, OcclusionMode::Off] {
             let mut problem = problem(4.0);
             problem.occlusion.mode = mode;
-            problem.solids = vec![Solid { cell: [4, 3, 3], normal: DVec3::X, opacity: 0.7, albedo: [0.5; 3] }];
+            problem.solids = vec![Solid::new([4, 3, 3], DVec3::X, 0.7, [0.5; 3])];
             let simulation = run::<f32>(&problem);
             let mut injected = Grid::new(8);
             problem.sources[0].light.iter().for_each(|(cell, light)| injected.set(*cell, light.cast()));

@@ -214,7 +214,7 @@ mod tests {
         let [_, _, (_, mut problem)] = made::scenes(8, 3.0);
         problem.sources[0].color = [1.0, 0.5, 0.0];
         problem.occlusion.mode = OcclusionMode::Hard;
-        problem.solids = vec![Solid { cell: [6, 4, 4], normal: DVec3::NEG_X, opacity: 1.0, albedo: [0.5, 0.0, 0.0] }];
+        problem.solids = vec![Solid::new([6, 4, 4], DVec3::NEG_X, 1.0, [0.5, 0.0, 0.0])];
         let rows = measure("walled", &problem, 1, &|share| (0.0..=1.0).contains(&share)).unwrap().unwrap();
         // The solver refuses occluders, the ordinates do not.
         assert!(rows.iter().all(|row| row.treatment != Treatment::Converged && row.preset == "walled"));

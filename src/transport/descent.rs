@@ -24,12 +24,15 @@
 #[cfg(test)]
 mod conformance;
 mod course;
+mod head;
 pub mod partition;
 mod sample;
+mod solids;
 mod staged;
 
-pub use course::{Descent, Grids, Solids};
+pub use course::{Descent, Grids};
 pub use partition::Tiling;
+pub use solids::Solids;
 
 use std::sync::Arc;
 

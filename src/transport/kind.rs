@@ -7,7 +7,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::divergence::Divergence;
-use super::options::{Options, Wanted, Work};
+use super::options::{Device, Options, Wanted, Work};
 use super::refusal::Refusal;
 use super::state::State;
 use crate::field::{Channels, Grid, Levels};
@@ -110,8 +110,6 @@ pub struct Capabilities {
     pub clamp: bool,
     /// Whether light can grow without bound, so that there is a critical factor.
     pub grows: bool,
-    /// What computes it.
-    pub device: Device,
 }
 
 /// A law that light obeys under a transport, for the suite that holds every kind against all that it claims.
@@ -132,15 +130,6 @@ pub enum Law {
     Shutters,
     /// Single precision keeps within rounding of double precision.
     Precision,
-}
-
-/// What computes a transport.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Device {
-    /// The processor.
-    Cpu,
-    /// A graphics card.
-    Gpu,
 }
 
 /// Makes a transport.
@@ -173,22 +162,48 @@ pub struct Kind {
     pub single: Make<f32>,
     /// Makes one in double precision, where there is one.
     pub double: Option<Make<f64>>,
+    /// Makes one on a graphics card, in single precision, where there is one.
+    pub card: Option<Make<f32>>,
+}
+
+impl Kind {
+    /// Why there is none of this kind in a precision, or on a device.
+    pub fn refusal(&self, device: Device) -> Refusal {
+        match device {
+            Device::Cpu => Refusal::Precision { name: self.name },
+            Device::Gpu if cfg!(feature = "gpu") => Refusal::Device {
+                what: format!(
+                    "\"{}\" is not computed by a graphics card, nor anything in double precision; use --device cpu",
+                    self.name
+                ),
+            },
+            Device::Gpu => Refusal::Device {
+                what:
+                    "this program was built without the feature `gpu`; build it with --features gpu, or use --device \
+                       cpu"
+                    .to_owned(),
+            },
+        }
+    }
 }
 
 /// A precision in which transports are made.
 pub trait Precision: Real {
-    /// What makes transports of a kind in this precision.
-    fn maker(kind: &Kind) -> Option<Make<Self>>;
+    /// What makes transports of a kind in this precision on a device.
+    fn maker(kind: &Kind, device: Device) -> Option<Make<Self>>;
 }
 
 impl Precision for f32 {
-    fn maker(kind: &Kind) -> Option<Make<Self>> {
-        Some(kind.single)
+    fn maker(kind: &Kind, device: Device) -> Option<Make<Self>> {
+        match device {
+            Device::Cpu => Some(kind.single),
+            Device::Gpu => kind.card,
+        }
     }
 }
 
 impl Precision for f64 {
-    fn maker(kind: &Kind) -> Option<Make<Self>> {
-        kind.double
+    fn maker(kind: &Kind, device: Device) -> Option<Make<Self>> {
+        kind.double.filter(|_| device == Device::Cpu)
     }
 }

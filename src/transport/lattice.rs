@@ -26,6 +26,8 @@ mod known;
 pub mod levels;
 pub mod linear;
 pub(in crate::transport) mod occlusion;
+#[cfg(feature = "gpu")]
+mod parts;
 pub mod scheme;
 pub mod schemes;
 pub mod stencil;
@@ -33,7 +35,7 @@ pub mod stencil;
 use std::sync::Arc;
 
 use super::divergence::Divergence;
-use super::kind::{Capabilities, Device, Kind, Law, Setup, Transport};
+use super::kind::{Capabilities, Kind, Law, Setup, Transport};
 use super::options::{Kernel, Options, Wanted, Work};
 use super::refusal::Refusal;
 use super::state::{State, accumulating};
@@ -64,7 +66,7 @@ fn kind(scheme: &Scheme) -> Kind {
         summary: scheme.summary,
         source: scheme.source,
         flaws: scheme.flaws,
-        can: Capabilities { levels: true, occluders: true, clamp: true, grows: true, device: Device::Cpu },
+        can: Capabilities { levels: true, occluders: true, clamp: true, grows: true },
         conserving: 1.0 / Stencil::<f64>::new(scheme, 1.0, false).uniform_gain()[0],
         laws,
         check: |_| Ok(()),
@@ -72,6 +74,7 @@ fn kind(scheme: &Scheme) -> Kind {
         bytes,
         single: Lattice::made,
         double: Some(Lattice::made),
+        card: None,
     }
 }
 

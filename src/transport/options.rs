@@ -16,6 +16,8 @@ pub struct Options {
     pub blocked: bool,
     /// What is left out because it cannot matter.
     pub skip: Skip,
+    /// What computes them.
+    pub device: Device,
     /// Stop a run once [`super::Transport::still_to_come`] is at most this; `None` to do every iteration.
     pub tolerance: Option<f64>,
 }
@@ -27,9 +29,20 @@ impl Default for Options {
             instructions: Instructions::Best,
             blocked: true,
             skip: Skip::default(),
+            device: Device::Cpu,
             tolerance: None,
         }
     }
+}
+
+/// What carries iterations out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Device {
+    /// The processor.
+    #[default]
+    Cpu,
+    /// A graphics card; the light is the same to the last bit.
+    Gpu,
 }
 
 /// Which loops carry an iteration out.

@@ -25,7 +25,7 @@ mod sweep;
 
 use glam::DVec3;
 
-use super::kind::{Capabilities, Device, Kind, Law};
+use super::kind::{Capabilities, Kind, Law};
 use super::team;
 use super::transparency::Transparency;
 use crate::field::Grid;
@@ -46,7 +46,7 @@ pub fn kinds() -> Vec<Kind> {
         summary: "light that keeps its direction, on the finest level",
         source: "discrete ordinates, by the donor cell rule or by where a beam leaves a cell",
         flaws: "with few directions light arrives in rays; beams widen as they cross cell borders; nothing is reflected",
-        can: Capabilities { levels: false, occluders: true, clamp: false, grows: false, device: Device::Cpu },
+        can: Capabilities { levels: false, occluders: true, clamp: false, grows: false },
         conserving: 4.0,
         laws,
         check: |_| Ok(()),
@@ -54,6 +54,7 @@ pub fn kinds() -> Vec<Kind> {
         bytes: beams::bytes,
         single: Beams::made,
         double: Some(Beams::made),
+        card: None,
     }]
 }
 
@@ -255,9 +256,7 @@ mod tests {
 
     #[test]
     fn light_does_not_turn_back_nor_pass_a_closed_wall() {
-        let wall: Vec<Solid> = (0..64)
-            .map(|i| Solid { cell: [5, i % 8, i / 8], normal: DVec3::X, opacity: 1.0, albedo: [0.0; 3] })
-            .collect();
+        let wall: Vec<Solid> = (0..64).map(|i| Solid::new([5, i % 8, i / 8], DVec3::X, 1.0, [0.0; 3])).collect();
         let occluders = Transparency::new(8, &wall);
         for (lattice, count, rule) in KINDS {
             let arrived =

@@ -48,6 +48,12 @@ pub enum Refusal {
         /// The transport.
         name: &'static str,
     },
+    /// Something that a graphics card does not do, or no card.
+    #[error("{what}")]
+    Device {
+        /// What cannot be done, and what can.
+        what: String,
+    },
     /// More light than the machine has memory for.
     #[error(
         "a volume of side {size} needs {} of memory and {} are free; the largest size that fits is {largest}",

@@ -24,7 +24,7 @@ impl Transparency {
         let mut passes = vec![1.0; n.pow(3)];
         for blocker in solids {
             let [x, y, z] = blocker.cell;
-            passes[(z * n + y) * n + x] = 1.0 - blocker.opacity as f32;
+            passes[(z * n + y) * n + x] = 1.0 - blocker.most_opaque() as f32;
         }
         Some(Transparency { n, passes })
     }

@@ -101,11 +101,12 @@ impl Lab {
             },
             Purpose::Injector(i) => self.session.injector_file(i, path),
             Purpose::Occluder(i) => self.session.occluder_file(i, path),
+            Purpose::Mesh => self.session.mesh_file(path),
             Purpose::Dump => self.session.add_dump(path),
         }
     }
 
-    /// Takes what was dropped onto the window: a preset is opened, a file of cells becomes an injector.
+    /// Takes what was dropped onto the window: a preset is opened, a file of cells becomes an injector, a mesh the scene's.
     pub(super) fn drop_files(&mut self, ctx: &Context) {
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
         for file in dropped {
@@ -116,8 +117,9 @@ impl Lab {
                     self.session.add_dump(path)
                 }
                 Some("csv" | "npy") => self.session.injector_file(self.session.document.preset.injectors.len(), path),
+                Some("obj" | "gltf" | "glb") => self.session.mesh_file(path),
                 _ => {
-                    let right = "drop a preset (.ron) or a file of cells (.csv, .npy)";
+                    let right = "drop a preset (.ron), a file of cells (.csv, .npy) or a mesh (.obj, .gltf, .glb)";
                     self.session.fail(format!("{}: {right}", path.display()));
                 }
             }

@@ -38,7 +38,8 @@ impl Behind {
     pub fn of(problem: &Problem) -> Option<Self> {
         let n = problem.size;
         // The geometry of the occluders, whatever they let through.
-        let opaque: Vec<Solid> = problem.solids.iter().map(|solid| Solid { opacity: 1.0, ..*solid }).collect();
+        let close = |solid: &Solid| Solid { opacity: solid.opacity.map(|c| if c > 0.0 { 1.0 } else { 0.0 }), ..*solid };
+        let opaque: Vec<Solid> = problem.solids.iter().map(close).collect();
         let opaque = Transparency::new(n, &opaque)?;
         let lit = lit(problem);
         let lights: Vec<Cell> = Layout::new(n).cells().filter(|cell| lit.get(*cell)).collect();
@@ -134,14 +135,15 @@ mod tests {
 
     /// A light in an 8³ volume among occupied cells of an opacity.
     fn problem(light: Cell, occupied: impl Fn(Cell) -> bool, opacity: f64) -> Problem {
-        let solid = |cell| Solid { cell, normal: DVec3::ZERO, opacity, albedo: [0.0; 3] };
+        let solid = |cell| Solid::new(cell, DVec3::ZERO, opacity, [0.0; 3]);
         Problem {
             size: 8,
             coarsest: 1,
-            sources: vec![Source { color: [1.0; 3], light: vec![(light, Sh::lobe(DVec3::X))] }],
+            sources: vec![Source { color: [1.0; 3], light: vec![(light, Sh::lobe(DVec3::X))], ..Source::default() }],
             solids: Layout::new(8).cells().filter(|cell| occupied(*cell)).map(solid).collect(),
             occlusion: Occlusion::default(),
             propagation: Propagation::default(),
+            ..Problem::default()
         }
     }
 

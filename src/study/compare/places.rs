@@ -59,10 +59,11 @@ mod tests {
         Places::of(&Problem {
             size: 4,
             coarsest: 1,
-            sources: vec![Source { color: [1.0; 3], light: vec![([0; 3], Sh::lobe(DVec3::X))] }],
+            sources: vec![Source { color: [1.0; 3], light: vec![([0; 3], Sh::lobe(DVec3::X))], ..Source::default() }],
             solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation::default(),
+            ..Problem::default()
         })
     }
 

@@ -198,7 +198,8 @@ mod tests {
     use crate::simulation::Action;
 
     fn run(coarsest: usize) -> Simulation<f32> {
-        let source = Source { color: [1.0, 0.5, 0.0], light: vec![([3, 1, 2], Sh::lobe(DVec3::X))] };
+        let source =
+            Source { color: [1.0, 0.5, 0.0], light: vec![([3, 1, 2], Sh::lobe(DVec3::X))], ..Source::default() };
         let problem = Problem {
             size: 8,
             coarsest,
@@ -206,6 +207,7 @@ mod tests {
             solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation { iterations: 3, ..Propagation::default() },
+            ..Problem::default()
         };
         let mut simulation = Simulation::new(problem).unwrap();
         simulation.run(|_| true);

@@ -109,7 +109,7 @@ mod tests {
     use glam::DVec3;
 
     fn among(cells: &[(Cell, f64)]) -> Transparency {
-        let blocker = |&(cell, opacity): &(Cell, f64)| Solid { cell, normal: DVec3::X, opacity, albedo: [0.0; 3] };
+        let blocker = |&(cell, opacity): &(Cell, f64)| Solid::new(cell, DVec3::X, opacity, [0.0; 3]);
         Transparency::new(8, &cells.iter().map(blocker).collect::<Vec<_>>()).unwrap()
     }
 

@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
+use super::head::{Head, Launch};
 use super::partition::{self, Tiling};
 use super::sample;
+use super::solids::Solids;
 use crate::field::{Cell, Grid, Levels, Marks, Octree};
 use crate::scene::propagation::Snapshots;
 use crate::scene::propagation::descent::Inside;
@@ -13,9 +15,6 @@ use crate::transport::lattice::exact::filter;
 use crate::transport::lattice::exact::leaves::{Leaves, Way};
 use crate::transport::lattice::exact::walls::Solid;
 use crate::transport::lattice::kernel::form::{Form, Share};
-use crate::transport::lattice::kernel::occluded::{Hard, Occluders, Which};
-use crate::transport::lattice::kernel::{Instructions, Level, Order, step};
-use crate::transport::lattice::stencil::Stencil;
 
 /// A descent under way.
 #[derive(Clone, Debug)]
@@ -37,17 +36,6 @@ pub struct Descent<T> {
     channels: Vec<Channel<T>>,
     /// Whether grids hold nothing but injected light and means of it when they are entered first.
     clean: bool,
-}
-
-/// Hard occluders, and the scheme that they act in.
-#[derive(Clone, Debug)]
-pub struct Solids<T> {
-    /// The occluders.
-    pub hard: Hard<T>,
-    /// The occupied cells.
-    pub occupied: Marks,
-    /// The scheme, clamps and all.
-    pub stencil: Stencil<T>,
 }
 
 /// One channel's light.
@@ -116,18 +104,13 @@ impl<T: Real> Descent<T> {
 
     /// Takes up the light that level 0 of each channel holds, as injected.
     pub fn take_up(&mut self, injected: &[&Grid<T>]) {
-        let n = self.sizes.finest();
-        let lit = |grid: &&Grid<T>| {
-            let mut lit = Marks::new(n);
-            lit.mark_lit(*grid);
-            lit
-        };
-        let lit: Vec<Marks> = injected.iter().map(lit).collect();
-        let mut any = Marks::new(n);
-        for lit in &lit {
-            any.words_mut().iter_mut().zip(lit.words()).for_each(|(any, lit)| *any |= lit);
+        let launch = Launch { form: &self.form, solids: self.solids.as_deref(), snapshots: self.snapshots };
+        let heads: Vec<Head<T>> =
+            injected.iter().enumerate().map(|(colour, light)| launch.run(colour, light)).collect();
+        let mut near = Marks::new(self.sizes.finest());
+        for head in &heads {
+            near.words_mut().iter_mut().zip(head.lit.words()).for_each(|(near, lit)| *near |= lit);
         }
-        let mut near = any;
         if let Some(solids) = &self.solids {
             near.words_mut().iter_mut().zip(solids.occupied.words()).for_each(|(near, solid)| *near |= solid);
         }
@@ -138,41 +121,32 @@ impl<T: Real> Descent<T> {
         };
         let colours = if self.solids.is_some() { injected.len() } else { 1 };
         self.stages = (0..colours).map(|colour| stages.iter().map(|marks| leaves(marks, colour)).collect()).collect();
-        let channels = injected.iter().zip(lit).enumerate();
-        self.channels = channels.map(|(colour, (grid, lit))| self.channel(colour, grid, lit)).collect();
+        self.channels = heads.into_iter().enumerate().map(|(colour, head)| self.channel(colour, head)).collect();
         (self.stage, self.clean) = (0, false);
     }
 
-    fn channel(&self, colour: usize, light: &Grid<T>, lit: Marks) -> Channel<T> {
+    fn channel(&self, colour: usize, Head { taken, stays, lit, moved: first, mut reached }: Head<T>) -> Channel<T> {
         let mut moved = Octree::new(self.sizes);
-        let mut injected: Vec<Vec<(usize, Sh<T>)>> = Vec::new();
-        let at = |grid: &Grid<T>, marks: &Marks| {
+        let at = |grid: &Grid<T>, marks: &Marks| -> Vec<(usize, Sh<T>)> {
             let layout = grid.layout();
             filter::cells(marks).map(|cell| (layout.index(cell), grid.get(cell))).collect()
         };
-        injected.push(at(light, &lit));
+        let mut injected = vec![at(&stays, &lit)];
         // The octree of q serves for the means of S before q is there.
-        let mut marks = lit.clone();
+        let mut marks = vec![lit];
         for i in 1..self.sizes.count() {
             let (finer, coarser) = moved.levels_mut().split_at_mut(i);
-            let from = if i == 1 { light } else { &finer[i - 1] };
-            for cell in filter::cells(&marks) {
+            let from = if i == 1 { &stays } else { &finer[i - 1] };
+            for cell in filter::cells(&marks[i - 1]) {
                 coarser[0].add(cell.map(|c| c / 2), from.get(cell) * T::of(0.125));
             }
-            marks = marks.parents();
-            injected.push(at(&coarser[0], &marks));
+            marks.push(marks[i - 1].parents());
+            injected.push(at(&coarser[0], &marks[i]));
         }
-        // Dark again, where it was lit.
-        let mut marks = lit.clone();
-        for i in 1..self.sizes.count() {
-            marks = marks.parents();
-            filter::cells(&marks).for_each(|cell| moved.level_mut(i).set(cell, Sh::ZERO));
+        for (grid, marks) in moved.levels_mut().iter_mut().zip(&marks).skip(1) {
+            filter::cells(marks).for_each(|cell| grid.set(cell, Sh::ZERO));
         }
-
-        let mut reached = self.first_step(colour, light, &lit, moved.level_mut(0));
-        if self.snapshots == Snapshots::CopyFirst {
-            moved.level_mut(0).scale(T::of(2.0));
-        }
+        *moved.level_mut(0) = first;
         for i in 1..self.sizes.count() {
             let (finer, coarser) = moved.levels_mut().split_at_mut(i);
             filter::hand_over(&self.decay, 1 << i, &finer[i - 1], &reached, &mut coarser[0]);
@@ -182,41 +156,7 @@ impl<T: Real> Descent<T> {
             reached = Marks::new(coarser[0].side());
             reached.mark_lit(&coarser[0]);
         }
-        if self.snapshots == Snapshots::WithoutInjected {
-            injected.iter_mut().for_each(Vec::clear);
-        }
-        Channel { taken: filter::cells(&lit).map(|cell| (cell, light.get(cell))).collect(), injected, moved }
-    }
-
-    /// Sets `moved` to what the injected light becomes in its first step, clamps and all, and tells where that is.
-    fn first_step(&self, colour: usize, light: &Grid<T>, lit: &Marks, moved: &mut Grid<T>) -> Marks {
-        let mut reached = Marks::new(self.sizes.finest());
-        if let Some(Solids { hard, stencil, .. }) = self.solids.as_deref() {
-            Occluders::Hard(hard.clone()).propagate(stencil, Which { level: 0, colour, blocks: true }, light, moved);
-            reached.mark_lit(moved);
-            return reached;
-        }
-        let order = Order {
-            form: self.form,
-            linear: false,
-            drop_dark: false,
-            cone: None,
-            energy: false,
-            instructions: Instructions::Best,
-        };
-        // Only what is lit is touched: the rest of a new grid costs nothing.
-        let mut source = Grid::new(light.side());
-        filter::cells(lit).for_each(|cell| source.set(cell, light.get(cell)));
-        let mut level = Level {
-            source: &mut source,
-            source_lit: &mut lit.clone(),
-            target: moved,
-            target_lit: &mut Marks::new(self.sizes.finest()),
-            sum: None,
-            marks: &mut reached,
-        };
-        step::step(&order, &mut level, 1, None);
-        reached
+        Channel { taken, injected, moved }
     }
 
     /// Takes note that the grids hold nothing but the injected light that was taken up, and the means of it: then little

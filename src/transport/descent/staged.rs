@@ -45,9 +45,10 @@ impl Ceiling {
     fn next(self, enters: bool) -> Self {
         // A leaf that is split hands at most eight times its mean to a child.
         let before = if enters { 8.0 * self.accumulated } else { self.accumulated };
-        let source =
-            if enters { self.norm * (self.norm * self.injected + before) + before } else { self.norm * self.source };
-        Ceiling { source, accumulated: before + source + self.injected, ..self }
+        // Injected light takes up to four steps before the first iteration; what it was on the way stays.
+        let head = self.norm.powi(4) * self.injected;
+        let source = if enters { self.norm * (head + before) + before } else { self.norm * self.source };
+        Ceiling { source, accumulated: before + source + head, ..self }
     }
 
     fn fits(self, limit: f64) -> bool {

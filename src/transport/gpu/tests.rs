@@ -1,52 +1,143 @@
-use super::device::Device;
-use super::text::Constants;
-use super::volume::{Masks, Mode, Volume};
-use crate::field::{IndexVolume, Levels, Octree};
-use crate::sh::Sh;
-use crate::transport::lattice::kernel::form::Form;
-use crate::transport::lattice::schemes;
-use crate::transport::lattice::stencil::Stencil;
-use glam::DVec3;
+//! The card against the processor, to the last bit. Where no driver answers the suite says so, and does not run.
 
-#[test]
-fn steps_have_the_bits_of_the_processors_loops() {
-    let Ok(card) = Device::shared() else {
-        eprintln!("no graphics card or driver: the suite of the card did not run");
-        return;
-    };
-    eprintln!("on {} {:?}", card.name(), card.limits().max_storage_buffer_binding_size);
-    for scheme in schemes::all() {
-        let stencil = Stencil::<f32>::new(&scheme, 3.0, true);
-        let form = Form::of(&stencil).unwrap();
-        let sizes = Levels::new(32, 32).unwrap();
-        let constants = Constants { levels: vec![(form, stencil.clone())], solids: None };
-        let mut volume = Volume::new(card, sizes, 1, &constants, &Masks::default()).unwrap();
-        let (mut source, mut target, mut sum) = (Octree::new(sizes), Octree::new(sizes), Octree::new(sizes));
-        source.level_mut(0).set([8, 3, 20], Sh::lobe(DVec3::new(0.6, 0.0, -0.8)));
-        source.level_mut(0).set([31, 3, 0], Sh::lobe(DVec3::new(0.0, 1.0, 0.0)));
-        let mut index = IndexVolume::new(sizes);
-        let mut scene = source.level(0).clone();
-        volume.load(&[[&source, &sum]], &index, &[vec![false]]);
-        volume.iterate(&[Mode { linear: false, ..Mode::default() }; 3]);
-        volume.store(&mut [[&mut source, &mut target, &mut sum]], &mut index).unwrap();
-        let mut total = crate::field::Grid::new(32);
-        for _ in 0..3 {
-            scene = crate::transport::lattice::kernel::step::once(&form, scene);
-            total.add_grid(&scene);
+use std::path::Path;
+
+use super::device::Device as Card;
+use crate::scene::occluder::OcclusionMode;
+use crate::scene::propagation::{Policy, Snapshots};
+use crate::scene::{Preset, Problem, builtin};
+use crate::simulation::{Action, Simulation};
+use crate::transport::options::{Device, Options, Wanted};
+use crate::transport::preset;
+
+/// Whether there is a card to test.
+fn is_there() -> bool {
+    let card = Card::shared();
+    match &card {
+        Ok(card) => eprintln!("the card's suite runs on {}", card.name()),
+        Err(error) => eprintln!("the card's suite did not run: {error}"),
+    }
+    card.is_ok()
+}
+
+fn builtin_preset(name: &str) -> Preset {
+    preset::parse(builtin::find(name).unwrap(), Path::new(name)).unwrap()
+}
+
+fn both(preset: &Preset) -> [Simulation<f32>; 2] {
+    let folder = builtin::folder().unwrap();
+    let problem = std::sync::Arc::new(Problem::build(preset, &folder).unwrap());
+    [Device::Cpu, Device::Gpu].map(|device| {
+        let options = Options { device, ..Options::default() };
+        Simulation::with_options(std::sync::Arc::clone(&problem), options).unwrap()
+    })
+}
+
+/// All light and all marks, bit by bit.
+fn assert_same(what: &str, [cpu, card]: &[Simulation<f32>; 2]) {
+    assert_eq!(cpu.iteration(), card.iteration(), "{what}");
+    for (channel, (wanted, found)) in cpu.lights().iter().zip(card.lights()).enumerate() {
+        let octrees = [
+            ("source", &wanted.source, &found.source),
+            ("target", &wanted.target, &found.target),
+            ("accumulated", &wanted.accumulated, &found.accumulated),
+        ];
+        for (name, wanted, found) in octrees {
+            for i in 0..cpu.sizes().count() {
+                for (cell, wanted) in wanted.level(i).iter() {
+                    let found = found.level(i).get(cell);
+                    let same = found.0.map(f32::to_bits) == wanted.0.map(f32::to_bits);
+                    assert!(same, "{what}: {name}, channel {channel}, level {i}, {cell:?}: {found:?}, {wanted:?}");
+                }
+            }
         }
-        for (cell, light) in scene.iter() {
-            assert_eq!(
-                light.0.map(f32::to_bits),
-                source.level(0).get(cell).0.map(f32::to_bits),
-                "{} {cell:?}",
-                scheme.name
-            );
-            assert_eq!(
-                total.get(cell).0.map(f32::to_bits),
-                sum.level(0).get(cell).0.map(f32::to_bits),
-                "{} {cell:?}",
-                scheme.name
-            );
+        assert_eq!(wanted.merged, found.merged, "{what}: merged");
+    }
+    for i in 0..cpu.sizes().count() {
+        assert_eq!(cpu.index().level(i), card.index().level(i), "{what}: marks of level {i}");
+    }
+}
+
+/// Step by step, then many at once.
+fn compare(what: &str, preset: &Preset) {
+    let mut pair = both(preset);
+    for simulation in &mut pair {
+        for action in [Action::Clear, Action::Inject, Action::Downsample, Action::Propagate, Action::Propagate] {
+            simulation.act(action);
         }
     }
+    assert_same(&format!("{what}, two steps"), &pair);
+    for simulation in &mut pair {
+        simulation.advance(5, Wanted::Everything);
+        simulation.act(Action::Merge);
+    }
+    assert_same(&format!("{what}, five more at once"), &pair);
+}
+
+#[test]
+fn every_preset_has_the_processors_bits() {
+    if !is_there() {
+        return;
+    }
+    for name in builtin::PRESETS.iter().map(|(name, _)| *name) {
+        let preset = builtin_preset(name);
+        if crate::transport::find(&preset.propagation.scheme).is_some_and(|kind| kind.card.is_some()) {
+            compare(name, &preset);
+        }
+    }
+}
+
+#[test]
+fn every_scheme_level_policy_and_snapshot_has_the_processors_bits() {
+    if !is_there() {
+        return;
+    }
+    for kind in crate::transport::kinds().iter().filter(|kind| kind.card.is_some()) {
+        for levels in [Policy::Same, Policy::Consistent] {
+            let mut preset = builtin_preset("level-jump");
+            preset.propagation.scheme = kind.name.to_owned();
+            preset.propagation.levels = levels;
+            compare(&format!("{} {levels}", kind.name), &preset);
+        }
+    }
+    let mut preset = builtin_preset("opposite-lobes");
+    for snapshots in [Snapshots::CopyFirst, Snapshots::WithoutInjected] {
+        preset.propagation.snapshots = snapshots;
+        compare(&format!("{snapshots:?}"), &preset);
+    }
+    preset.propagation.clamp = false;
+    compare("without clamps", &preset);
+}
+
+#[test]
+fn occluders_of_every_kind_have_the_processors_bits() {
+    if !is_there() {
+        return;
+    }
+    for scheme in ["cascaded", "reflective"] {
+        for (mode, bounce, from) in
+            [(OcclusionMode::Fuzzy, 0.0, 3), (OcclusionMode::Fuzzy, 1.0, 2), (OcclusionMode::Hard, 0.5, 2)]
+        {
+            let mut preset = builtin_preset("pillar");
+            preset.propagation.scheme = scheme.to_owned();
+            preset.propagation.levels = if bounce == 1.0 { Policy::Consistent } else { Policy::Same };
+            preset.occlusion.mode = mode;
+            preset.occlusion.bounce = bounce;
+            preset.occlusion.from_iteration = from;
+            compare(&format!("{scheme} {mode:?} {bounce}"), &preset);
+        }
+    }
+}
+
+#[test]
+fn what_the_card_does_not_do_is_refused_with_the_reason() {
+    let mut preset = builtin_preset("one-lobe");
+    preset.propagation.scheme = "ordinates".to_owned();
+    let problem = Problem::build(&preset, Path::new("")).unwrap();
+    let options = Options { device: Device::Gpu, ..Options::default() };
+    let error = Simulation::<f32>::with_options(problem, options).unwrap_err().to_string();
+    assert!(error.contains("ordinates") && error.contains("--device cpu"), "{error}");
+    let problem = Problem::build(&builtin_preset("one-lobe"), Path::new("")).unwrap();
+    let error = Simulation::<f64>::with_options(problem, options).unwrap_err().to_string();
+    assert!(error.contains("double precision"), "{error}");
 }

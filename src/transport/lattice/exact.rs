@@ -39,6 +39,7 @@ pub mod leaves;
 pub mod sampling;
 mod step;
 pub mod walls;
+mod within;
 
 #[cfg(test)]
 mod conformance;

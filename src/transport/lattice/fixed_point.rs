@@ -250,10 +250,11 @@ mod tests {
         Problem {
             size,
             coarsest: size,
-            sources: vec![Source { color: [1.0, 0.5, 0.0], light }],
+            sources: vec![Source { color: [1.0, 0.5, 0.0], light, ..Source::default() }],
             solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation { scheme: scheme.to_owned(), factor, clamp, ..Propagation::default() },
+            ..Problem::default()
         }
     }
 
@@ -333,7 +334,7 @@ mod tests {
         assert!(matches!(refused(&problem(8, "axial", 3.0, true)), NoFixedPoint::Clamped { .. }));
         assert!(solve(&problem(8, "axial", 3.0, false), 1e-4, |_| true).is_ok());
         let mut walled = problem(8, "cascaded", 3.0, true);
-        walled.solids = vec![Solid { cell: [1; 3], normal: DVec3::X, opacity: 1.0, albedo: [0.0; 3] }];
+        walled.solids = vec![Solid::new([1; 3], DVec3::X, 1.0, [0.0; 3])];
         assert_eq!(refused(&walled), NoFixedPoint::Occluders);
         assert!(matches!(refused(&problem(16, "cascaded", 4.3, true)), NoFixedPoint::Diverges { .. }));
         assert!(matches!(refused(&problem(8, "ordinates", 3.0, true)), NoFixedPoint::NoScheme { .. }));

@@ -30,9 +30,10 @@ impl<T: Real> Obstacles<T> {
         if !problem.has_occluders() {
             return None;
         }
-        let geometry = Geometry::new(sizes, &problem.solids);
         // Reflection is what a mirroring scheme is; in the others it is an extra that the preset asks for.
         let mirrors = scheme.surface == Surface::Mirrored;
+        let between = occlusion.mode == OcclusionMode::Fuzzy && !mirrors;
+        let geometry = Geometry::new(sizes, if between { problem.blockers() } else { &problem.solids });
         let (occluders, from_iteration) = match occlusion.mode {
             OcclusionMode::Hard => {
                 let injected = problem.sources.iter().flat_map(|source| &source.light);
@@ -101,7 +102,7 @@ pub(super) fn bytes(problem: &Problem, scheme: &Scheme, sizes: Levels, number: u
         _ => Acts::Fuzzy,
     };
     let scale = number as u64 / size_of::<f32>() as u64;
-    let geometry = 2 * scale * sizes.sides().map(memory::of_grid::<f32>).sum::<u64>();
+    let geometry = 3 * scale * sizes.sides().map(memory::of_grid::<f32>).sum::<u64>();
     let shrunk = (sizes.finest() as f64 / problem.size as f64).powi(2);
     let touched: f64 = (0..sizes.count().min(problem.size.ilog2() as usize + 1))
         .map(|level| touched_cells(problem, acts, level) as f64 * shrunk)
@@ -124,7 +125,8 @@ enum Acts {
 fn touched_cells(problem: &Problem, acts: Acts, level: usize) -> usize {
     let side = problem.size >> level;
     let mut occupied = Marks::new(side);
-    problem.solids.iter().for_each(|solid| occupied.set(solid.cell.map(|c| c >> level)));
+    let solids = if acts == Acts::Fuzzy { problem.blockers() } else { &problem.solids };
+    solids.iter().for_each(|solid| occupied.set(solid.cell.map(|c| c >> level)));
     match acts {
         Acts::Hard => return grown(&occupied).count(),
         Acts::Mirrored => return occupied.count(),

@@ -155,10 +155,7 @@ mod tests {
 
     #[test]
     fn stepping_to_the_end_gives_what_one_sweep_gives() {
-        let solids = [
-            Solid { cell: [4, 3, 3], normal: DVec3::X, opacity: 1.0, albedo: [0.0; 3] },
-            Solid { cell: [2, 5, 3], normal: DVec3::X, opacity: 0.4, albedo: [0.0; 3] },
-        ];
+        let solids = [Solid::new([4, 3, 3], DVec3::X, 1.0, [0.0; 3]), Solid::new([2, 5, 3], DVec3::X, 0.4, [0.0; 3])];
         let occluders = Transparency::new(8, &solids);
         let mut injected = Grid::new(8);
         injected.set([2, 3, 3], Sh::lobe(DVec3::X));

@@ -171,7 +171,7 @@ fn energy_gains_a_quarter_of_the_factor_in_any_tiling() {
 
 #[test]
 fn walls_between_finest_leaves_are_those_of_the_uniform_volume() {
-    let solid = |cell: Cell| Solid { cell, normal: DVec3::NEG_X, opacity: 0.75, albedo: [0.5; 3] };
+    let solid = |cell: Cell| Solid::new(cell, DVec3::NEG_X, 0.75, [0.5; 3]);
     let cells = Layout::new(N).cells().filter(|[x, y, z]| *x == 5 && (*y, *z) != (3, 4));
     let solids: Vec<Solid> = cells.map(solid).collect();
     let sizes = Levels::new(N, 1).unwrap();

@@ -18,7 +18,7 @@ use crate::transport::lattice::geometry::Geometry;
 use crate::transport::lattice::stencil::{Stencil, Tap};
 
 /// What NVIDIA's sample multiplies its reflected light by.
-const REFLECTION: f64 = 4.8;
+pub const REFLECTION: f64 = 4.8;
 
 /// Blockers, and how they act.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,6 +45,14 @@ pub(super) struct Around<T> {
     facing: T,
     /// Its albedo by colour.
     albedo: [T; 3],
+}
+
+impl<T: Real> Around<T> {
+    /// What a card keeps of it: the near blocker, the far one, and (how much that faces the light, its albedos).
+    pub(super) fn table(&self) -> [[T; 4]; 3] {
+        let [red, green, blue] = self.albedo;
+        [self.near.0, self.far.0, [self.facing, red, green, blue]]
+    }
 }
 
 impl<T: Real> Fuzzy<T> {

@@ -3,7 +3,7 @@
 //! Like [`super::plain`] this is a definition: it gathers, cell by cell, what the six neighbours send.
 
 use super::fuzzy::Around;
-pub use super::fuzzy::Fuzzy;
+pub use super::fuzzy::{Fuzzy, REFLECTION};
 pub use super::gather::Which;
 use super::gather::sender;
 use super::settle;
@@ -91,12 +91,31 @@ impl<T: Real> Occluders<T> {
         }
     }
 
+    /// For each of the `touched` cells of an n³ level what a card keeps of its surroundings, as
+    /// `kernels/solids.wgsl` takes it.
+    pub fn tables(&self, level: usize, n: usize, touched: &Touched<T>) -> Vec<(Cell, Vec<[T; 4]>)> {
+        let table = |(i, &cell): (usize, &Cell)| {
+            let table = match self {
+                Occluders::Fuzzy(fuzzy) => {
+                    let around = touched.around.get(i).copied().unwrap_or_else(|| fuzzy.around(level, cell));
+                    around.iter().flat_map(Around::table).collect()
+                }
+                Occluders::Hard(hard) => Direction::ALL.iter().map(|d| hard.table(level, cell, *d, n)).collect(),
+                Occluders::Mirrored(mirrored) => {
+                    Direction::ALL.iter().map(|d| mirrored.table(level, cell, d.axis())).collect()
+                }
+            };
+            (cell, table)
+        };
+        touched.cells.iter().enumerate().map(table).collect()
+    }
+
     /// The cells of an n³ level whose light depends on an occluder; the others receive what they would
     /// without any.
     pub fn touched(&self, level: usize, n: usize) -> Touched<T> {
         let is_touched = |cell: &Cell| match self {
             Occluders::Fuzzy(fuzzy) => fuzzy.touches(level, *cell),
-            Occluders::Mirrored(mirrored) => mirrored.geometry.opacity(level, *cell) != T::ZERO,
+            Occluders::Mirrored(mirrored) => mirrored.geometry.is_occupied(level, *cell),
             Occluders::Hard(hard) => hard.touches(level, *cell, n),
         };
         let cells: Vec<Cell> = Layout::new(n).cells().filter(is_touched).collect();
@@ -129,16 +148,35 @@ pub struct Touched<T> {
 }
 
 impl<T: Real> Mirrored<T> {
+    /// The share of light along `axis` that passes a cell, and what it mirrors of red, green and blue.
+    fn table(&self, level: usize, cell: Cell, axis: usize) -> [T; 4] {
+        let occupied = self.geometry.opacity(level, cell, axis);
+        let [red, green, blue] = [0, 1, 2].map(|colour| occupied * self.geometry.albedo(level, cell, colour));
+        [T::of(1.0) - occupied, red, green, blue]
+    }
+
     fn receive(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, cell: Cell, d: usize) -> Sh<T> {
         let direction = Direction::ALL[d];
         let sent = stencil.send(d, sender(source, cell, direction));
-        let occupied = self.geometry.opacity(which.level, cell);
+        let occupied = self.geometry.opacity(which.level, cell, direction.axis());
         let reflected = occupied * self.geometry.albedo(which.level, cell, which.colour);
         sent * (T::of(1.0) - occupied) + sent.mirrored(direction.axis()) * reflected
     }
 }
 
 impl<T: Real> Hard<T> {
+    /// The share of light along `direction` that passes a cell, and what the next cell sends back of red, green and
+    /// blue.
+    fn table(&self, level: usize, cell: Cell, direction: Direction, n: usize) -> [T; 4] {
+        let passes = |cell| self.barrier.passes(level, cell, direction.axis());
+        let reflected = |colour| {
+            direction.neighbour(cell, n).map_or(T::ZERO, |next| {
+                (T::of(1.0) - passes(next)) * self.geometry.albedo(level, next, colour) * self.bounce
+            })
+        };
+        [passes(cell), reflected(0), reflected(1), reflected(2)]
+    }
+
     /// Whether the cell or a neighbour holds light up.
     fn touches(&self, level: usize, cell: Cell, n: usize) -> bool {
         let is_open = |cell| (0..3).all(|axis| self.barrier.passes(level, cell, axis) == T::of(1.0));
@@ -178,7 +216,7 @@ mod tests {
     /// A wall at x = 4 that faces −X, for red light of albedo 0.5.
     fn wall(opacity: f64) -> Vec<Solid> {
         let cells = Grid::<f64>::new(N).layout().cells().filter(|cell| cell[0] == 4);
-        let block = |cell| Solid { cell, normal: DVec3::NEG_X, opacity, albedo: [0.5, 0.0, 1.0] };
+        let block = |cell| Solid::new(cell, DVec3::NEG_X, opacity, [0.5, 0.0, 1.0]);
         cells.map(block).collect()
     }
 
