@@ -110,7 +110,8 @@ fn go_together(chosen: &[&str]) -> bool {
     let lightless_sides = any(&["zero-sides", "face-index-sides", "componentwise-sides"]);
     let copies = any(&["sum-into-source", "temporal-mix", "wrong-cell-copied", "own-cell"]);
     // The sum of ports that keep light is a sum of sums; S0 twice is then once more.
-    !(has("no-far-face") && any(&["digit-typo", "near-face", "clamp-none", "clamp-partial"]))
+    !(lightless_sides && has("clamp-partial"))
+        && !(has("no-far-face") && any(&["digit-typo", "near-face", "clamp-none", "clamp-partial"]))
         && !(lightless_sides && any(&["digit-typo", "four-digit-constants", "read-sign", "lobe-sign"]))
         // A cell that reads itself meets no border, and what turns light does not show.
         && !(has("own-cell") && any(&["edge-border", "wrap-border", "flat-layout", "in-place", "chessboard", "injects-minus-n", "injection-axes"]))

@@ -23,7 +23,7 @@ const BEAM: usize = 20;
 const FORMS: usize = 3;
 
 /// Cells by which ports are ranked; all cells decide whether one is right.
-const RANKED_BY: usize = 100;
+const RANKED_BY: usize = 300;
 
 /// Ports of the same number of mistakes whose agreement is looked at closely.
 const LOOKED_AT: usize = 30;
@@ -80,7 +80,7 @@ pub struct Found {
 /// Looks for ports that make `step`, from `bases` by `edits`, of at most `most` mistakes.
 pub fn search(step: &Step, bases: &[Port], edits: &[Edit], most: usize) -> Option<Found> {
     let receivers = step.receivers();
-    let parts = Parts { step, bases, edits, ranked: thinned(&receivers) };
+    let parts = Parts { step, bases, edits, ranked: thinned(&receivers, step.before.side()) };
     let mut beam: Vec<Node> = Vec::new();
     let mut nearest: Option<Candidate> = None;
     for mistakes in 0..=most {
@@ -222,9 +222,14 @@ fn is_sensible(port: &Port, fit: &Fit) -> bool {
         && (!has_near || (is_there(Kind::Far) && is_there(Kind::Near)))
 }
 
-/// Some of the cells, evenly.
-fn thinned(cells: &[Cell]) -> Vec<Cell> {
-    let every = cells.len().div_ceil(RANKED_BY).max(1);
-    // A step that is no divisor of a row's length takes cells of every column.
-    cells.iter().step_by(if every > 1 { every | 1 } else { 1 }).copied().collect()
+/// Some of the cells, evenly, those at the border and those inside by themselves: few cells show a border.
+fn thinned(cells: &[Cell], side: usize) -> Vec<Cell> {
+    let is_border = |cell: &&Cell| cell.iter().any(|c| *c == 0 || *c + 1 == side);
+    let (border, inside): (Vec<&Cell>, Vec<&Cell>) = cells.iter().partition(is_border);
+    let some = |cells: Vec<&Cell>| -> Vec<Cell> {
+        let every = cells.len().div_ceil(RANKED_BY).max(1);
+        // A step that is no divisor of a row's length takes cells of every column.
+        cells.into_iter().step_by(if every > 1 { every | 1 } else { 1 }).copied().collect()
+    };
+    [some(border), some(inside)].concat()
 }
