@@ -1,18 +1,28 @@
 //! The headless commands, each a few lines over `study` and `report`.
 
 mod bench;
+#[cfg(feature = "gpu")]
+mod card;
 mod cells;
 mod compare;
 pub mod console;
 mod course;
+mod identify;
 mod load;
+mod motion;
 mod numbers;
+mod octree;
 pub mod output;
 mod pareto;
+mod pattern;
 mod presets;
 mod race;
+mod render;
 mod run;
+mod scene;
 mod schemes;
+#[cfg(feature = "gpu")]
+mod shader;
 mod stability;
 
 use std::path::PathBuf;
@@ -62,14 +72,29 @@ pub enum Command {
     Cells(cells::CellsArgs),
     /// Run presets under several schemes and compare what each makes of them
     Compare(compare::CompareArgs),
+    /// What a camera sees of a preset's light, and what it should see
+    Render(render::RenderArgs),
     /// Measure how fast the loops are
     Bench(BenchArgs),
+    /// Measure what an octree can do: error against all the light there will ever be, and the cells it takes
+    Octree(octree::OctreeArgs),
+    /// Run moving light frame by frame: flicker, light at pinned cells, pictures and an animation
+    Motion(motion::MotionArgs),
     /// List the propagation schemes with their gains and critical factors
     Schemes(schemes::SchemesArgs),
+    /// What a mesh and its lights become in a volume: triangles, light given and injected, occupied cells
+    Scene(scene::SceneCommandArgs),
     /// List the built-in presets, or write them to a folder
     Presets(presets::PresetsArgs),
     /// Gains and critical factors of every scheme and size; single precision against double in long runs
     Stability(stability::StabilityArgs),
+    /// Write a test pattern to inject into a port of light propagation volumes
+    Pattern(pattern::PatternArgs),
+    /// Tell from dumps of its grid whether a port of light propagation volumes is right
+    Identify(identify::IdentifyArgs),
+    /// Write the kernels that a preset needs, in the language of an engine
+    #[cfg(feature = "gpu")]
+    Shader(shader::ShaderArgs),
     /// Print completions for a shell
     #[command(after_help = "Example:\n  lpv-lab completions bash > ~/.local/share/bash-completion/completions/lpv-lab")]
     Completions {
@@ -181,10 +206,18 @@ pub fn execute(command: Command) -> Result<(), CliError> {
         Command::Run(args) => team::inside(|| run::run(&args)),
         Command::Cells(args) => team::inside(|| cells::run(&args)),
         Command::Compare(args) => team::inside(|| compare::run(&args)),
+        Command::Render(args) => team::inside(|| render::run(&args)),
         Command::Bench(args) => bench::run(&args),
+        Command::Octree(args) => team::inside(|| octree::run(&args)),
+        Command::Motion(args) => team::inside(|| motion::run(&args)),
         Command::Schemes(args) => schemes::run(&args),
+        Command::Scene(args) => team::inside(|| scene::run(&args)),
         Command::Presets(args) => presets::run(&args),
         Command::Stability(args) => team::inside(|| stability::run(&args)),
+        Command::Pattern(args) => pattern::run(&args),
+        Command::Identify(args) => team::inside(|| identify::run(&args)),
+        #[cfg(feature = "gpu")]
+        Command::Shader(args) => shader::run(&args),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "lpv-lab", &mut script);

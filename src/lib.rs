@@ -1,12 +1,70 @@
 //! lpv-lab: an interactive laboratory for light propagation volumes in an octree.
 //!
-//! The house, each floor using only floors below it:
+//! # Quick start
+//!
+//! Build a scene, run it, look into a cell, and hold the light against what it ought to be:
+//!
+//! ```
+//! use std::path::Path;
+//!
+//! use lpv_lab::scene::injector::{Injector, InjectorKind};
+//! use lpv_lab::scene::{Preset, Problem};
+//! use lpv_lab::simulation::Simulation;
+//! use lpv_lab::study::expectation::{Expectation, References};
+//!
+//! let lobe = Injector {
+//!     direction: Some([1.0, 0.0, 0.0]),
+//!     ..Injector::new(InjectorKind::Single { cell: [8, 8, 8] })
+//! };
+//! let preset = Preset { size: 16, injectors: vec![lobe], ..Preset::default() };
+//! let problem = Problem::build(&preset, Path::new(""))?;
+//!
+//! let mut simulation = Simulation::<f32>::new(problem)?;
+//! simulation.run(|now| now.iteration() < 4);
+//! let merged = simulation.lights()[0].merged.as_ref().expect("a run ends in a merge");
+//! // c00 and the direction of the flow: ahead of the lobe there is more light than behind it.
+//! assert!(merged.get([10, 8, 8]).0[0] > merged.get([6, 8, 8]).0[0]);
+//!
+//! let errors = Expectation::Merged.rows(&simulation, &References::default());
+//! assert!(errors[0].l1_ratio > 0.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Or step by step, in any order and any number of times:
+//!
+//! ```
+//! use std::path::Path;
+//!
+//! use lpv_lab::scene::Problem;
+//! use lpv_lab::simulation::{Action, Simulation};
+//! use lpv_lab::transport::preset;
+//!
+//! let text = "(version: 1, size: 8, injectors: [(kind: Wall(side: NegX))])";
+//! let problem = Problem::build(&preset::parse(text, Path::new("wall.ron"))?, Path::new(""))?;
+//! let mut simulation = Simulation::<f32>::new(problem)?;
+//! simulation.act(Action::Inject);
+//! simulation.act(Action::Downsample);
+//! let change = simulation.act(Action::Propagate);
+//! // From the wall at x = 0 light has moved one cell further.
+//! assert!(change.iteration == 1 && change.newly_lit >= 64);
+//! assert!(simulation.index().level(0).get([1, 3, 3]));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Where to go on: [`study::compare`] puts schemes side by side, [`study::artefacts`] says what goes wrong with
+//! light, [`study::difference`] holds one run against another, [`report::error_figure`] and [`report::picture`] draw,
+//! [`scene::cell_file`] reads and writes the light of cells.
+//!
+//! # The house
+//!
+//! Each floor uses only floors below it:
 //!
 //! | floor | module | what lives there |
 //! |---|---|---|
 //! | 9 | `app`, [`cli`] | the window; the headless commands |
 //! | 8 | [`report`] | glyphs, pictures, plots, tables |
 //! | 7 | [`study`] | questions put to simulations: errors, references, comparisons, benchmarks |
+//! | 6 | [`render`] | what a camera or a surface sees: camera, direct light, the truth |
 //! | 5 | [`simulation`] | the stepper: clear, inject, downsample, propagate once, merge |
 //! | 4 | [`transport`] | every way light travels: the schemes of the lattice, ordinates, straight lines |
 //! | 3 | [`scene`] | the preset document, injectors, occluders, cell files, and the problem they end in |
@@ -22,6 +80,7 @@ pub mod app;
 pub mod cli;
 pub mod field;
 pub mod mesh;
+pub mod render;
 pub mod report;
 pub mod scene;
 pub mod sh;

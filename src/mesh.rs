@@ -8,7 +8,7 @@
 //!
 //! [`read::read`] reads `.obj` with its `.mtl`, `.gltf` and `.glb`; [`Bvh`] answers what a ray meets.
 
-pub mod error;
+pub mod cut;
 pub mod read;
 
 mod bvh;
@@ -20,7 +20,6 @@ mod texture;
 use glam::{DVec3, Vec3};
 
 pub use bvh::{Bvh, Hit};
-pub use error::MeshError;
 
 /// The most triangles that a mesh may have.
 pub const MOST_TRIANGLES: usize = 10_000_000;

@@ -8,16 +8,25 @@
 pub mod builtin;
 pub mod cell_file;
 pub mod doubts;
+pub mod dump_file;
+pub mod emitter;
 pub mod error;
 pub mod file;
 pub mod injector;
+pub mod mesh_scene;
 pub mod occluder;
+pub mod path;
+pub mod placement;
 pub mod preset;
 pub mod propagation;
+pub mod shadow_map;
+pub mod stage;
+pub mod voxels;
 
 mod npy;
 mod occluder_file;
 mod place;
+pub mod receiver;
 mod region;
 mod row_text;
 mod rows;
@@ -26,33 +35,45 @@ mod syntax;
 mod value;
 
 use std::path::Path;
+use std::sync::Arc;
 
+pub use emitter::Cosine;
 pub use error::SceneError;
 pub use occluder::Occlusion;
 pub use preset::Preset;
 pub use propagation::Propagation;
 pub use solids::Solid;
+pub use stage::Stage;
 
 use crate::field::{Cell, Channels, Grid, Marks};
 use crate::sh::{Real, Sh};
 use error::{Fault, Step};
 use occluder::{Accumulate, OcclusionMode};
+use stage::Cache;
 
 /// The most cells that injectors and occluders of one scene may hold together, overlaps counted: half of a
 /// 256³ volume. It bounds what building a scene costs (under 1.5 GiB), whatever a preset asks for.
 pub const MOST_CELLS: usize = 1 << 23;
 
 /// All that a transport needs to know. Simulations share it and never change it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Problem {
     /// Cells along a side of the volume, n: a power of two.
     pub size: usize,
     /// The side of the coarsest level: a power of two, at most `size`.
     pub coarsest: usize,
-    /// The light of each enabled injector, in the preset's order. Where they share cells they add.
+    /// The light of each enabled injector, in the preset's order, then that of the mesh's virtual point lights. Where
+    /// they share cells they add.
     pub sources: Vec<Source>,
     /// The occupied cells, each once, z slowest and x fastest.
     pub solids: Vec<Solid>,
+    /// What stands between the light's cells for fuzzy occlusion, where a mesh tells more than `solids`: a blocker of
+    /// cell g stands at the corner that the cells g and g + (1, 1, 1) share. Empty where it is the solids.
+    pub between: Vec<Solid>,
+    /// What wants to know the light that it receives; none.
+    pub receivers: Vec<receiver::Receiver>,
+    /// The mesh in its volume with its lights, where the preset has one.
+    pub stage: Option<Arc<Stage>>,
     /// How occupied cells act.
     pub occlusion: Occlusion,
     /// How light is propagated.
@@ -60,17 +81,29 @@ pub struct Problem {
 }
 
 /// Light to inject.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Source {
     /// Red, green and blue, each ≥ 0. The light is not multiplied by it yet.
     pub color: [f64; 3],
     /// Cells, each once, with their light, the injector's multiplier applied.
     pub light: Vec<(Cell, Sh<f64>)>,
+    /// The same light as it leaves surfaces, for transports that keep directions; empty where it comes from none.
+    pub cosines: Vec<Cosine>,
 }
 
 impl Problem {
     /// Resolves a preset; files are looked for in `folder`, the preset's own.
     pub fn build(preset: &Preset, folder: &Path) -> Result<Problem, SceneError> {
+        Problem::build_with(preset, folder, &Cache::default(), &mut |_| {})
+    }
+
+    /// The same with what earlier scenes were made from at hand; `progress` is told how much of a mesh is read, 0 to 1.
+    pub fn build_with(
+        preset: &Preset,
+        folder: &Path,
+        cache: &Cache,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Problem, SceneError> {
         preset.check()?;
         let mut left = MOST_CELLS;
         let mut sources = Vec::new();
@@ -78,7 +111,7 @@ impl Problem {
             let light =
                 take(&mut left, injector.cell_count(preset.size), |most| injector.light(preset.size, folder, most))
                     .map_err(|error| error.within(Step::Item(i)).within(Step::Field("injectors")))?;
-            sources.push(Source { color: injector.color, light });
+            sources.push(Source { color: injector.color, light, ..Source::default() });
         }
         let mut filled = Vec::new();
         for (i, occluder) in preset.occluders.iter().enumerate().filter(|(_, occluder)| occluder.enabled) {
@@ -87,14 +120,31 @@ impl Problem {
                     .map_err(|error| error.within(Step::Item(i)).within(Step::Field("occluders")))?;
             filled.extend(cells);
         }
+        let (mut mesh, mut between, mut stage) = (Vec::new(), Vec::new(), None);
+        if let Some(scene) = &preset.scene {
+            let made = Stage::new(scene, preset.size, folder, cache, progress)
+                .map_err(|error| error.within(Step::Field("scene")))?;
+            sources.extend(made.injected.sources.iter().cloned());
+            mesh.clone_from(&made.voxels.solids);
+            between = solids::over(made.between.solids.clone(), filled.clone(), preset.size);
+            stage = Some(Arc::new(made));
+        }
         Ok(Problem {
             size: preset.size,
             coarsest: preset.coarsest,
             sources,
-            solids: solids::resolve(filled, preset.size),
+            solids: solids::over(mesh, filled, preset.size),
+            between,
+            receivers: Vec::new(),
+            stage,
             occlusion: preset.occlusion,
             propagation: preset.propagation.clone(),
         })
+    }
+
+    /// How often a whole run propagates ([`Propagation::actions`]).
+    pub fn actions(&self) -> usize {
+        self.propagation.actions(self.size, self.coarsest)
     }
 
     /// The slab of cells across an axis (0 for x) into which most light is injected; among equals the one
@@ -112,6 +162,11 @@ impl Problem {
         // A hair's breadth of rounding must not decide between slabs that are meant to be equal.
         let nearest = (0..self.size).filter(|&i| energy[i] >= most * (1.0 - 1e-9)).min_by_key(|&i| i.abs_diff(middle));
         nearest.unwrap_or(middle)
+    }
+
+    /// What stands between the light's cells for fuzzy occlusion.
+    pub fn blockers(&self) -> &[Solid] {
+        if self.between.is_empty() { &self.solids } else { &self.between }
     }
 
     /// Whether anything stands in light's way.

@@ -9,45 +9,32 @@
 //! - *Inject* adds the scene's light to level 0 of the source, and of the accumulated light where the
 //!   snapshots count the injection; it marks the index volume.
 //! - *Downsample* sets every coarser level of source and accumulated to the mean of its children; with
-//!   consistent levels, to the light that it takes over one step later ([`levels`]).
+//!   consistent levels, to the light that it takes over one step later ([`crate::transport::lattice::levels`]).
 //! - *Propagate* takes every level one iteration further: source to target, target added to
-//!   accumulated, then source and target swap.
+//!   accumulated, then source and target swap. In a descent it is the level that the descent has come down to
+//!   ([`crate::transport::descent`]).
 //! - *Merge* stores the sample S(x, y, z) of the accumulated octree for every finest cell.
 //!
 //! A propagation that could take light out of the range of numbers is not done: the light stays as it
 //! was, and [`Simulation::divergence`] tells why.
 
-mod advance;
-mod ceiling;
-mod descent;
-mod engine;
-mod occlusion;
-pub mod options;
-mod radiance;
+#[cfg(test)]
+mod tests;
 
 use std::fmt;
 use std::sync::Arc;
 
-use ceiling::Ceiling;
-pub use ceiling::{Divergence, limit};
+pub use crate::transport::divergence::{Divergence, limit};
+pub use crate::transport::options;
+pub use crate::transport::{Light, Refusal};
 
-use crate::field::{Channels, Grid, IndexVolume, Levels, Marks, Octree, memory};
+use crate::field::{Channels, Grid, IndexVolume, Levels, memory};
 use crate::scene::Problem;
-use crate::scene::propagation::Policy;
-use crate::scene::propagation::{Propagation, Snapshots};
+use crate::scene::propagation::Snapshots;
 use crate::sh::Real;
-use crate::transport::lattice::kernel::occluded::Which;
-use crate::transport::lattice::kernel::plain;
-use crate::transport::lattice::levels;
-use crate::transport::lattice::scheme::Scheme;
-use crate::transport::lattice::stencil::Stencil;
-
-pub use crate::transport::Refusal;
-use crate::transport::{refuse_what_does_not_fit, scheme_of};
-use engine::Engine;
-use occlusion::Obstacles;
-use options::Options;
-use radiance::Radiance;
+use crate::transport::kind::{Kind, Precision, Setup, Transport};
+use crate::transport::{self, State, refuse_what_does_not_fit};
+use options::{Options, Wanted, Work};
 
 /// What the stepper can be told to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,42 +82,44 @@ pub struct Change {
     pub newly_lit: usize,
 }
 
-/// One channel of light in its three octrees.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Light<T> {
-    /// What the next iteration propagates: S_k.
-    pub source: Octree<T>,
-    /// What the next iteration writes; until then S_{k−1}.
-    pub target: Octree<T>,
-    /// The running sum of the snapshots, S_A.
-    pub accumulated: Octree<T>,
-    /// S(x, y, z) of the accumulated octree, once merged.
-    pub merged: Option<Grid<T>>,
-}
-
-/// A scene on its way through the iterations, in single or double precision.
-#[derive(Clone, Debug)]
+/// A problem on its way through the iterations, in single or double precision.
+///
+/// ```
+/// use lpv_lab::scene::Problem;
+/// use lpv_lab::simulation::Simulation;
+/// use lpv_lab::transport::preset;
+///
+/// let text = "(version: 1, size: 8, injectors: [(kind: Single(cell: (3, 4, 4)), direction: (1, 0, 0))])";
+/// let problem = Problem::build(&preset::parse(text, "lobe.ron".as_ref())?, "".as_ref())?;
+/// let mut simulation = Simulation::<f32>::new(problem).unwrap();
+/// simulation.run(|_| true);
+/// let light = simulation.lights()[0].accumulated.level(0);
+/// assert!(light.get([4, 4, 4]).0[0] > light.get([2, 4, 4]).0[0]);
+/// # Ok::<(), lpv_lab::scene::SceneError>(())
+/// ```
+#[derive(Debug)]
 pub struct Simulation<T> {
     problem: Arc<Problem>,
-    sizes: Levels,
-    channels: Channels,
-    stencils: Vec<Stencil<T>>,
-    /// What light that comes to rest on each level is multiplied with, by band.
-    residences: Vec<[f64; 2]>,
-    obstacles: Option<Obstacles<T>>,
-    /// By level the cells that accumulate, where not all do.
-    accumulating: Option<Vec<Marks>>,
-    lights: Vec<Light<T>>,
-    index: IndexVolume,
-    iteration: usize,
-    engine: Engine<T>,
-    ceiling: Ceiling,
-    /// Where the scene wants ordinates; there are no stencils then.
-    radiance: Option<Radiance>,
+    kind: &'static Kind,
+    options: Options,
+    state: State<T>,
+    transport: Box<dyn Transport<T>>,
+    work: Work,
     divergence: Option<Divergence>,
 }
 
-impl<T: Real> Simulation<T> {
+impl<T: Real> Clone for Simulation<T> {
+    fn clone(&self) -> Self {
+        Simulation {
+            problem: Arc::clone(&self.problem),
+            state: self.state.clone(),
+            transport: self.transport.clone(),
+            ..*self
+        }
+    }
+}
+
+impl<T: Precision> Simulation<T> {
     /// A dark simulation of `problem`.
     pub fn new(problem: impl Into<Arc<Problem>>) -> Result<Self, Refusal> {
         Self::with_options(problem, Options::default())
@@ -141,73 +130,76 @@ impl<T: Real> Simulation<T> {
         let problem = problem.into();
         let sizes = Levels::new(problem.size, problem.coarsest)
             .ok_or(Refusal::Sizes { size: problem.size, coarsest: problem.coarsest })?;
-        let scheme = scheme_of(&problem.propagation)?;
-        let (stencils, residences) = operators(scheme.as_ref(), &problem.propagation, sizes)?;
+        let kind = transport::known(&problem.propagation.scheme)?;
+        let make = T::maker(kind, options.device).ok_or_else(|| kind.refusal(options.device))?;
         let channels = if options.skip.channels { problem.channels() } else { Channels::separate() };
-        let under_way = |size: usize| Radiance::bytes(&problem.propagation, size, channels.count());
-        refuse_what_does_not_fit(sizes.finest(), |size| {
-            memory::of_simulation::<T>(sizes.with_finest(size), channels.count()) + under_way(size)
-        })?;
-        let obstacles = scheme.and_then(|scheme| Obstacles::new(&problem, sizes, &scheme));
-        let accumulating = occlusion::accumulating(&problem, sizes);
-        let ceiling = Ceiling::new(&stencils, problem.occlusion.bounce);
-        let engine = Engine::new(&stencils, options);
-        let dark = || Octree::new(sizes);
-        let light = || Light { source: dark(), target: dark(), accumulated: dark(), merged: None };
-        let lights = (0..channels.count()).map(|_| light()).collect();
-        let mut index = IndexVolume::new(sizes);
-        occlusion::mark_shut(obstacles.as_ref(), &mut index);
-        let radiance = Radiance::new(&problem, &channels);
-        if radiance.is_some() {
-            Radiance::mark(&mut index);
-        }
-        let divergence = None;
-        Ok(Simulation {
-            problem,
-            sizes,
-            channels,
-            stencils,
-            residences,
-            obstacles,
-            accumulating,
-            lights,
-            index,
-            iteration: 0,
-            engine,
-            ceiling,
-            radiance,
-            divergence,
-        })
+        let bytes = |size| bytes::<T>(kind, &problem, sizes.with_finest(size), channels.count());
+        refuse_what_does_not_fit(sizes.finest(), bytes)?;
+        let setup = Setup { problem: Arc::clone(&problem), sizes, channels: channels.clone(), options };
+        let mut transport = make(&setup)?;
+        let mut state = State::new(sizes, channels);
+        transport.start(&mut state);
+        Ok(Simulation { problem, kind, options, state, transport, work: Work::default(), divergence: None })
     }
 
+    /// Bytes that a simulation of `problem` will take once it runs and is merged, occluders and all.
+    pub fn bytes_of(problem: &Problem, options: &Options) -> Result<u64, Refusal> {
+        let sizes = Levels::new(problem.size, problem.coarsest)
+            .ok_or(Refusal::Sizes { size: problem.size, coarsest: problem.coarsest })?;
+        let channels = if options.skip.channels { problem.channels() } else { Channels::separate() };
+        Ok(bytes::<T>(transport::known(&problem.propagation.scheme)?, problem, sizes, channels.count()))
+    }
+}
+
+/// Bytes of the state and of what the transport keeps.
+fn bytes<T>(kind: &Kind, problem: &Problem, sizes: Levels, channels: usize) -> u64 {
+    memory::of_simulation::<T>(sizes, channels) + (kind.bytes)(problem, sizes, channels, size_of::<T>())
+}
+
+impl<T: Real> Simulation<T> {
     /// The problem that is simulated.
     pub fn problem(&self) -> &Arc<Problem> {
         &self.problem
     }
 
+    /// The kind of transport that propagates the light.
+    pub fn kind(&self) -> &'static Kind {
+        self.kind
+    }
+
+    /// How iterations are carried out.
+    pub fn options(&self) -> &Options {
+        &self.options
+    }
+
     /// The sizes of the levels.
     pub fn sizes(&self) -> Levels {
-        self.sizes
+        self.state.sizes()
     }
 
     /// How colours come from the channels.
     pub fn channels(&self) -> &Channels {
-        &self.channels
+        self.state.channels()
     }
 
     /// The light of each channel.
     pub fn lights(&self) -> &[Light<T>] {
-        &self.lights
+        &self.state.lights
     }
 
     /// Which level to sample where.
     pub fn index(&self) -> &IndexVolume {
-        &self.index
+        &self.state.index
     }
 
     /// Iterations since the last clear, k.
     pub fn iteration(&self) -> usize {
-        self.iteration
+        self.state.iteration
+    }
+
+    /// How much was computed since the last clear, and how much there was to compute.
+    pub fn work(&self) -> Work {
+        self.work
     }
 
     /// Why the last propagation was not done, if it was not: its light could have left the range of numbers.
@@ -215,75 +207,66 @@ impl<T: Real> Simulation<T> {
         self.divergence
     }
 
-    /// Takes other settings for the iterations to come; the light stays as it is.
-    pub fn set_propagation(&mut self, propagation: Propagation) -> Result<(), Refusal> {
-        let scheme = scheme_of(&propagation)?;
-        if propagation.ordinates != self.problem.propagation.ordinates
-            || propagation.scheme != self.problem.propagation.scheme
-        {
-            let under_way = |size: usize| Radiance::bytes(&propagation, size, self.channels.count());
-            refuse_what_does_not_fit(self.sizes.finest(), under_way)?;
-        }
-        (self.stencils, self.residences) = operators(scheme.as_ref(), &propagation, self.sizes)?;
-        self.engine.set_stencils(&self.stencils);
-        if propagation.scheme != self.problem.propagation.scheme {
-            self.obstacles = scheme.and_then(|scheme| Obstacles::new(&self.problem, self.sizes, &scheme));
-        }
-        self.ceiling = Ceiling::new(&self.stencils, self.problem.occlusion.bounce);
-        Arc::make_mut(&mut self.problem).propagation = propagation;
-        self.set_radiance();
-        Ok(())
+    /// An upper bound on all light still to come, as a part of what has been accumulated (both as Σ c00, on
+    /// the level where it is largest). `None` while nothing is proved, or if no tolerance is set.
+    pub fn still_to_come(&self) -> Option<f64> {
+        self.transport.still_to_come()
+    }
+
+    /// By channel, what each of the problem's receivers has received so far: its irradiance times a cell's side squared.
+    /// `None` where the transport does not know from where light comes.
+    pub fn received(&self) -> Option<&[Vec<f64>]> {
+        self.transport.received()
+    }
+
+    /// Bytes that a copy of it takes: its light, and what the transport keeps under way.
+    pub fn bytes(&self) -> usize {
+        self.state.bytes() + self.transport.bytes()
+    }
+
+    /// Bytes that it shares with its copies, such as what is known of the occluders.
+    pub fn shared_bytes(&self) -> usize {
+        self.transport.shared_bytes()
     }
 
     /// Does one action and tells what it changed.
     pub fn act(&mut self, action: Action) -> Change {
-        let lit_before = self.lit();
-        if action != Action::Propagate {
-            self.engine.forget(action);
-        }
+        let lit_before = self.state.lit_cells();
         self.divergence = None;
-        let unchanged = Change {
-            action,
-            iteration: 0,
-            source: false,
-            target: false,
-            accumulated: false,
-            merged: false,
-            newly_lit: 0,
-        };
-        let change = match action {
+        let Simulation { state, transport, problem, .. } = self;
+        let (mut source, mut target, mut accumulated, mut merged) = (true, false, true, false);
+        match action {
             Action::Clear => {
-                self.clear();
-                self.ceiling.clear();
-                Change { source: true, target: true, accumulated: true, merged: true, ..unchanged }
+                state.clear();
+                transport.start(state);
+                self.work = Work::default();
+                (target, merged) = (true, true);
             }
             Action::Inject => {
-                let accumulated = self.inject();
-                Change { source: true, accumulated, ..unchanged }
+                transport.inject(state);
+                accumulated = problem.propagation.snapshots == Snapshots::Thesis;
             }
-            Action::Downsample => {
-                self.downsample();
-                Change { source: true, accumulated: true, ..unchanged }
-            }
-            Action::Propagate => match self.admit() {
+            Action::Downsample => transport.downsample(state),
+            Action::Propagate => match transport.admit(state) {
                 Ok(()) => {
-                    self.propagate();
-                    Change { source: true, target: true, accumulated: true, ..unchanged }
+                    self.work += transport.step(state);
+                    target = true;
                 }
                 Err(divergence) => {
                     self.divergence = Some(divergence);
-                    unchanged
+                    (source, accumulated) = (false, false);
                 }
             },
             Action::Merge => {
-                self.merge();
-                Change { merged: true, ..unchanged }
+                state.merge(|state, channel, merged| transport.sample(state, channel, merged));
+                (source, accumulated, merged) = (false, false, true);
             }
-        };
-        Change { iteration: self.iteration, newly_lit: self.lit().saturating_sub(lit_before), ..change }
+        }
+        let newly_lit = self.state.lit_cells().saturating_sub(lit_before);
+        Change { action, iteration: self.state.iteration, source, target, accumulated, merged, newly_lit }
     }
 
-    /// Clear, inject, downsample, as many iterations as the scene asks for, merge; `watch` sees the
+    /// Clear, inject, downsample, as many iterations as the problem asks for, merge; `watch` sees the
     /// simulation after the downsampling (iteration 0) and after every iteration, and returns whether to
     /// go on. Where the light diverges the iterations end early, and [`Self::divergence`] tells of it.
     pub fn run(&mut self, mut watch: impl FnMut(&Self) -> bool) {
@@ -291,134 +274,39 @@ impl<T: Real> Simulation<T> {
             self.act(action);
         }
         let mut go_on = watch(self);
-        while go_on && self.iteration < self.problem.propagation.iterations && !self.is_done() {
+        while go_on && self.iteration() < self.problem.actions() && !self.transport.is_done() {
             self.act(Action::Propagate);
             if self.divergence.is_some() {
                 break;
             }
             go_on = watch(self);
         }
-        self.merge();
+        let Simulation { state, transport, .. } = self;
+        state.merge(|state, channel, merged| transport.sample(state, channel, merged));
     }
 
-    /// Whether the light of the next iteration stays in range.
-    fn admit(&mut self) -> Result<(), Divergence> {
-        let next = self.iteration + 1;
-        match &mut self.radiance {
-            Some(radiance) => radiance.admit(next, &self.lights),
-            None => self.ceiling.admit(next, &self.lights, &self.index),
+    /// Iterations up to the number the problem asks for, as [`Self::run`] does them, but with nobody looking
+    /// in between; then the merge. Returns how many iterations it did: fewer if the tolerance was met.
+    pub fn run_all(&mut self, wanted: Wanted) -> usize {
+        for action in [Action::Clear, Action::Inject, Action::Downsample] {
+            self.act(action);
         }
+        self.advance(self.problem.actions(), wanted);
+        let divergence = self.divergence;
+        self.act(Action::Merge);
+        self.divergence = divergence;
+        self.iteration()
     }
 
-    /// Cells, over all levels, that have received light.
-    fn lit(&self) -> usize {
-        (0..self.sizes.count()).map(|i| self.index.level(i).count()).sum()
-    }
-
-    fn clear(&mut self) {
-        for light in &mut self.lights {
-            light.source.clear();
-            light.target.clear();
-            light.accumulated.clear();
-            light.merged = None;
-        }
-        self.index.clear();
-        occlusion::mark_shut(self.obstacles.as_ref(), &mut self.index);
-        if let Some(radiance) = &mut self.radiance {
-            radiance.clear();
-            Radiance::mark(&mut self.index);
-        }
-        self.iteration = 0;
-    }
-
-    /// Whether the accumulated light changed with the source.
-    fn inject(&mut self) -> bool {
-        let accumulate = self.problem.propagation.snapshots == Snapshots::Thesis;
-        // Cells may hold light of several entries: nothing is brighter than all of it together.
-        let mut most = vec![0.0; self.lights.len()];
-        for source in &self.problem.sources {
-            if let Some(radiance) = &mut self.radiance {
-                radiance.inject(source, &self.channels);
-            }
-            for (channel, light) in self.lights.iter_mut().enumerate() {
-                let weight = self.channels.weight(channel, source.color);
-                for (cell, value) in &source.light {
-                    most[channel] += (*value * weight).max_norm();
-                    let value = (*value * weight).cast();
-                    light.source.level_mut(0).add(*cell, value);
-                    if accumulate && self.accumulating.as_ref().is_none_or(|cells| cells[0].get(*cell)) {
-                        light.accumulated.level_mut(0).add(*cell, value);
-                    }
-                    if !value.is_zero() {
-                        self.index.level_mut(0).set(*cell);
-                    }
-                }
-            }
-        }
-        self.ceiling.inject(most.into_iter().fold(0.0, f64::max));
-        accumulate
-    }
-
-    fn downsample(&mut self) {
-        let hands_down = self.problem.propagation.levels == Policy::Consistent && self.radiance.is_none();
-        if hands_down {
-            self.hand_down();
-            self.ceiling.forget(1);
-        } else {
-            self.ceiling.downsample();
-        }
-        for light in &mut self.lights {
-            if !hands_down {
-                light.source.downsample();
-                light.accumulated.downsample();
-            }
-            for i in 1..self.sizes.count() {
-                self.index.level_mut(i).mark_lit(light.source.level(i));
-                self.index.level_mut(i).mark_lit(light.accumulated.level(i));
-            }
-        }
-    }
-
-    fn merge(&mut self) {
-        for channel in 0..self.lights.len() {
-            let mut merged = self.lights[channel].merged.take().unwrap_or_else(|| Grid::new(self.sizes.finest()));
-            self.sample(channel, &mut merged);
-            self.lights[channel].merged = Some(merged);
-        }
+    /// So many iterations with nobody looking in between; fewer if the tolerance is met or the light
+    /// diverges. After [`Wanted::Merged`] only merging makes sense.
+    pub fn advance(&mut self, iterations: usize, wanted: Wanted) {
+        self.divergence = self.transport.advance(&mut self.state, iterations, wanted, &mut self.work).err();
     }
 
     /// Sets `merged` to the sample S(x, y, z) of a channel's accumulated octree at every finest cell, as
     /// merging does.
     pub fn sample(&self, channel: usize, merged: &mut Grid<T>) {
-        self.index.merge(&self.lights[channel].accumulated, merged);
+        self.transport.sample(&self.state, channel, merged);
     }
-}
-
-/// One iteration of one level. Where albedos have colours each channel is one; where not, any colour will do.
-fn step<T: Real>(
-    acting: Option<&Obstacles<T>>,
-    stencil: &Stencil<T>,
-    which: Which,
-    source: &Grid<T>,
-    target: &mut Grid<T>,
-) {
-    match acting {
-        Some(Obstacles { occluders, .. }) => occluders.propagate(stencil, which, source, target),
-        None => plain::propagate(stencil, source, target),
-    }
-}
-
-/// The stencil of every level, and its residence.
-type Operators<T> = (Vec<Stencil<T>>, Vec<[f64; 2]>);
-
-/// The operators of a setting; ordinates have none.
-fn operators<T: Real>(
-    scheme: Option<&Scheme>,
-    propagation: &Propagation,
-    sizes: Levels,
-) -> Result<Operators<T>, Refusal> {
-    let Some(scheme) = scheme else { return Ok((Vec::new(), Vec::new())) };
-    let Propagation { factor, clamp, levels, .. } = *propagation;
-    let operators = levels::operators(scheme, factor, clamp, levels, sizes.count())?;
-    Ok(operators.into_iter().map(|operator| (operator.stencil, operator.residence)).unzip())
 }

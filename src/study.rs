@@ -1,15 +1,24 @@
 //! Questions put to simulations.
 
+pub mod artefacts;
 pub mod benchmark;
 pub mod compare;
-pub mod error;
+pub mod difference;
 pub mod expectation;
 pub mod fit;
+pub mod identify;
 pub mod light;
+pub mod motion;
+pub mod octree;
 pub mod pareto;
+pub mod pattern;
+pub mod picture;
 pub mod profile;
 pub mod race;
 pub mod random;
 pub mod reference;
 pub mod stability;
 pub mod stress;
+pub mod surface;
+
+pub use expectation::error;

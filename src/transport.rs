@@ -2,39 +2,84 @@
 //! harmonics from cell to cell, [`ordinates`] that keep their direction, and the [`ballistic`] reference, which is
 //! what truly arrives.
 //!
-//! All of them take a [`Problem`](crate::scene::Problem) and grids; none knows the simulation that steps it.
+//! All of them take a [`Problem`](crate::scene::Problem) and grids; none knows the simulation that steps it. [`kinds`] is
+//! the list of those that can be stepped: what each of them can do is asked there.
 
 pub mod ballistic;
+pub mod descent;
+pub mod divergence;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+pub mod kind;
 pub mod lattice;
+pub mod options;
 pub mod ordinates;
 pub mod preset;
 mod refusal;
+pub mod state;
 pub mod team;
 pub mod transparency;
 
-pub use refusal::{Refusal, known_scheme, refuse_what_does_not_fit, scheme_of};
+use std::sync::LazyLock;
+
+pub use divergence::Divergence;
+pub use kind::{Kind, Transport};
+pub use refusal::{Refusal, refuse_what_does_not_fit};
+pub use state::{Light, State};
 
 use crate::scene::Propagation;
 use crate::scene::error::{Fault, nearest, quote};
-use lattice::schemes;
 
-/// The name of everything that a preset may call its scheme, the default first: the [schemes] of the lattice, then
-/// [`ordinates`].
-pub fn names() -> Vec<&'static str> {
-    let mut names = schemes::names();
-    names.push(ordinates::NAME);
-    names
+/// Every kind of transport that presets may ask for, the default first.
+pub fn kinds() -> &'static [Kind] {
+    static KINDS: LazyLock<Vec<Kind>> = LazyLock::new(|| {
+        let mut kinds = Vec::new();
+        kinds.extend(descent::kinds().into_iter().map(on_card));
+        kinds.extend(ordinates::kinds());
+        kinds
+    });
+    &KINDS
 }
 
-/// Whether there is a transport of the name that a setting asks for.
+/// The same kind, which a graphics card computes, too.
+#[cfg(feature = "gpu")]
+fn on_card(kind: Kind) -> Kind {
+    Kind { card: Some(gpu::card::OnCard::made), ..kind }
+}
+
+/// Without the feature `gpu` no card computes anything.
+#[cfg(not(feature = "gpu"))]
+fn on_card(kind: Kind) -> Kind {
+    kind
+}
+
+/// The kind called `name`.
+///
+/// ```
+/// let cascaded = lpv_lab::transport::find("cascaded").unwrap();
+/// assert!(cascaded.can.levels && cascaded.can.occluders && cascaded.double.is_some());
+/// assert!(lpv_lab::transport::find("no such transport").is_none());
+/// ```
+pub fn find(name: &str) -> Option<&'static Kind> {
+    kinds().iter().find(|kind| kind.name == name)
+}
+
+/// The kind called `name`, or an error that names those there are.
+pub fn known(name: &str) -> Result<&'static Kind, Refusal> {
+    find(name).ok_or_else(|| Refusal::unknown(name, &names()))
+}
+
+/// The name of everything that a preset may call its scheme, the default first.
+pub fn names() -> Vec<&'static str> {
+    kinds().iter().map(|kind| kind.name).collect()
+}
+
+/// Whether there is a transport of the name that a setting asks for, and it can run the setting.
 pub fn check(propagation: &Propagation) -> Result<(), Fault> {
-    let known = names();
-    if known.contains(&propagation.scheme.as_str()) {
-        return Ok(());
+    if let Some(kind) = find(&propagation.scheme) {
+        return (kind.check)(propagation);
     }
-    let what = format!("the scheme {} is not known", quote(&propagation.scheme));
+    let (what, known) = (format!("the scheme {} is not known", quote(&propagation.scheme)), names());
     let remedy = match nearest(&propagation.scheme, &known) {
         Some(near) => format!("did you mean `{near}`? Known are {}", known.join(", ")),
         None => format!("known are {}", known.join(", ")),

@@ -327,7 +327,7 @@ fn an_occluder_file_may_bring_normals_and_opacity() {
     let expected = [([0, 0, 0], DVec3::new(0.6, 0.0, 0.8), 0.5), ([1, 2, 3], DVec3::NEG_Y, 0.25)];
     assert_eq!(solids.len(), expected.len());
     for (found, (cell, normal, opacity)) in solids.iter().zip(expected) {
-        assert_eq!((found.cell, found.opacity, found.albedo), (cell, opacity, [1.0, 0.0, 0.5]));
+        assert_eq!((found.cell, found.opacity, found.albedo), (cell, [opacity; 3], [1.0, 0.0, 0.5]));
         assert!((found.normal - normal).length() < 1e-15);
     }
     for (row, words) in [

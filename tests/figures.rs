@@ -16,10 +16,11 @@ fn one_lobe_gives_the_errors_of_figure_15() {
     let problem = Problem {
         size: 32,
         coarsest: 2,
-        sources: vec![Source { color: [1.0; 3], light: vec![([16, 16, 16], Sh::lobe(DVec3::X))] }],
+        sources: vec![Source { color: [1.0; 3], light: vec![([16, 16, 16], Sh::lobe(DVec3::X))], ..Source::default() }],
         solids: Vec::new(),
         occlusion: Occlusion::default(),
         propagation: Propagation { iterations: 32, ..Propagation::default() },
+        ..Problem::default()
     };
     let mut rows = Vec::new();
     let mut simulation = Simulation::<f32>::new(problem).unwrap();

@@ -92,6 +92,17 @@ fn occluded_it_equals_the_published_shader() {
 }
 
 #[test]
+fn reflected_it_equals_the_published_shader() {
+    for k in [1, 2] {
+        let wall = "occluders: [(kind: Plane(axis: X, at: 9), normal: (-1, 0, 0), albedo: (0.5, 0.5, 0.5))],
+          occlusion: (mode: Fuzzy, amplifier: 0.0, bounce: 1.0)";
+        let reflected = preset(16, "factor: 3.0, snapshots: WithoutInjected")
+            .replace("propagation:", &format!("{wall}, propagation:"));
+        assert_equal_to("oracle_nvidia_llvmpipe_bounce_p3", &reflected, k);
+    }
+}
+
+#[test]
 fn the_blog_scheme_equals_the_float64_program() {
     for k in [1, 2, 4] {
         assert_equal_to("oracle_ref64_seed003_blog_16c", &preset(16, "scheme: \"blog\", factor: 1.0"), k);

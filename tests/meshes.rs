@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
-use lpv_lab::mesh::MeshError;
 use lpv_lab::mesh::read::{Files, LampKind, Loaded, Unread, read};
+use lpv_lab::system::file::FileError;
 
 /// Files in memory.
 struct Memory(HashMap<PathBuf, Vec<u8>>);
@@ -25,11 +25,11 @@ impl Files for Memory {
     }
 }
 
-fn load(name: &str, files: &[(&str, &[u8])]) -> Result<Loaded, MeshError> {
+fn load(name: &str, files: &[(&str, &[u8])]) -> Result<Loaded, FileError> {
     read(Path::new(name), &Memory::of(files), &mut |_| {})
 }
 
-fn obj(text: &str) -> Result<Loaded, MeshError> {
+fn obj(text: &str) -> Result<Loaded, FileError> {
     load("a.obj", &[("a.obj", text.as_bytes())])
 }
 

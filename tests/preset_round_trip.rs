@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 use lpv_lab::scene::cell_file::Column;
 use lpv_lab::scene::injector::{Injector, InjectorKind, Side};
 use lpv_lab::scene::occluder::{Accumulate, Axis, BlockingSign, Occluder, OccluderKind, OcclusionMode};
+use lpv_lab::scene::path::Keyframe;
 use lpv_lab::scene::propagation::Policy;
 use lpv_lab::scene::propagation::Snapshots;
+use lpv_lab::scene::propagation::descent::{Descent, Inside};
 use lpv_lab::scene::propagation::ordinates::Lattice;
 use lpv_lab::scene::propagation::ordinates::Rule;
 use lpv_lab::scene::propagation::ordinates::{MOST_DIRECTIONS, Setting};
@@ -36,6 +38,24 @@ fn vector() -> impl Strategy<Value = Option<[f64; 3]>> {
     prop::option::of(prop::array::uniform3(part).prop_filter("not zero", |v| v.iter().any(|x| *x != 0.0)))
 }
 
+/// Keyframes in the order of time.
+fn moves() -> impl Strategy<Value = Vec<Keyframe>> {
+    let key = (0.001..1e3, prop::array::uniform3(-1e3..1e3));
+    prop::collection::vec(key, 0..3).prop_map(|keys| {
+        let mut time = -1.0;
+        let later = |(step, by)| {
+            time += step;
+            Keyframe { time, by }
+        };
+        keys.into_iter().map(later).collect()
+    })
+}
+
+fn descent() -> impl Strategy<Value = Descent> {
+    let leaves = (2.0..100.0).prop_map(|distance| Descent::Leaves { distance });
+    prop_oneof![Just(Descent::Off), Just(Descent::Cells), leaves]
+}
+
 fn injector() -> impl Strategy<Value = Injector> {
     let kind = prop_oneof![
         select(&Side::ALL[..]).prop_map(|side| InjectorKind::Wall { side }),
@@ -48,10 +68,10 @@ fn injector() -> impl Strategy<Value = Injector> {
             .prop_map(|(path, column)| InjectorKind::File { path, column }),
     ];
     let color = prop::array::uniform3(prop_oneof![Just(1.0), 0.0..100.0]);
-    (kind, vector(), prop_oneof![Just(1.0), 0.0..1e20], color, any::<bool>()).prop_map(
-        |(kind, direction, multiplier, color, enabled)| {
+    (kind, vector(), prop_oneof![Just(1.0), 0.0..1e20], color, any::<bool>(), moves()).prop_map(
+        |(kind, direction, multiplier, color, enabled, path)| {
             let direction = direction.filter(|_| !matches!(kind, InjectorKind::File { .. }));
-            Injector { kind, direction, multiplier, color, enabled }
+            Injector { kind, direction, multiplier, color, enabled, path }
         },
     )
 }
@@ -88,14 +108,18 @@ fn propagation() -> impl Strategy<Value = Propagation> {
     let scheme = select(lpv_lab::transport::names()).prop_map(str::to_owned);
     let ordinates = (1..=MOST_DIRECTIONS, select(&Rule::ALL[..]), select(&Lattice::ALL[..]))
         .prop_map(|(directions, rule, lattice)| Setting { directions, rule, lattice });
-    (scheme, 0.0..10.0, 0..1_000_000usize, snapshots, any::<bool>(), select(&Policy::ALL[..]), ordinates).prop_map(
-        |(scheme, factor, iterations, snapshots, clamp, levels, ordinates)| Propagation {
+    let descent = (descent(), select(&[Inside::Exponential, Inside::Constant][..]));
+    let levels = (select(&Policy::ALL[..]), descent);
+    (scheme, 0.0..10.0, 0..1_000_000usize, snapshots, any::<bool>(), levels, ordinates).prop_map(
+        |(scheme, factor, iterations, snapshots, clamp, (levels, (descent, inside)), ordinates)| Propagation {
             scheme,
             factor,
             iterations,
             snapshots,
             clamp,
             levels,
+            descent,
+            inside,
             ordinates,
         },
     )

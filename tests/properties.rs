@@ -21,10 +21,11 @@ fn problem(light: Vec<(Cell, Sh<f64>)>, propagation: Propagation) -> Problem {
     Problem {
         size: N,
         coarsest: 1,
-        sources: vec![Source { color: [1.0; 3], light }],
+        sources: vec![Source { color: [1.0; 3], light, ..Source::default() }],
         solids: Vec::new(),
         occlusion: Occlusion::default(),
         propagation,
+        ..Problem::default()
     }
 }
 

@@ -30,10 +30,11 @@ fn problem(scheme: &Scheme, light: Light, iterations: usize) -> Problem {
     Problem {
         size: N,
         coarsest: 1,
-        sources: vec![Source { color: [1.0; 3], light }],
+        sources: vec![Source { color: [1.0; 3], light, ..Source::default() }],
         solids: Vec::new(),
         occlusion: Occlusion::default(),
         propagation: Propagation { scheme: scheme.name.to_owned(), factor: 3.0, iterations, ..Propagation::default() },
+        ..Problem::default()
     }
 }
 
@@ -77,12 +78,8 @@ fn solids(last: usize, albedo: f64) -> impl Strategy<Value = Vec<Solid>> {
     cells.prop_flat_map(move |cells| {
         let surfaces = prop::collection::vec((direction(), 0.1..=1.0), cells.len());
         surfaces.prop_map(move |surfaces| {
-            let block = |(cell, (normal, opacity)): (&Cell, (DVec3, f64))| Solid {
-                cell: *cell,
-                normal,
-                opacity,
-                albedo: [albedo; 3],
-            };
+            let block =
+                |(cell, (normal, opacity)): (&Cell, (DVec3, f64))| Solid::new(*cell, normal, opacity, [albedo; 3]);
             cells.iter().zip(surfaces).map(block).collect()
         })
     })
@@ -259,7 +256,7 @@ fn behind_a_closed_hard_occluder_it_is_dark(scheme: &Scheme) {
     let outside = |cell: Cell, from: Cell| (0..3).any(|a| cell[a] < from[a] || cell[a] > from[a] + 4);
     check(MANY, ([0..3usize, 0..3, 0..3], [1..4usize, 1..4, 1..4], direction(), 0.0..1.0), |(from, at, d, albedo)| {
         let shell = Layout::new(N).cells().filter(|cell| !inside(*cell, from) && !outside(*cell, from));
-        let block = |cell| Solid { cell, normal: DVec3::ZERO, opacity: 1.0, albedo: [albedo; 3] };
+        let block = |cell| Solid::new(cell, DVec3::ZERO, 1.0, [albedo; 3]);
         let lit = std::array::from_fn(|a| from[a] + at[a]);
         let problem = Problem {
             solids: shell.map(block).collect(),

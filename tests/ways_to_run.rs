@@ -10,7 +10,7 @@ use lpv_lab::scene::occluder::{Accumulate, Occlusion, OcclusionMode};
 use lpv_lab::scene::propagation::Policy;
 use lpv_lab::scene::propagation::Snapshots;
 use lpv_lab::sh::Sh;
-use lpv_lab::simulation::options::{Instructions, Kernel, Options, Skip, Wanted};
+use lpv_lab::simulation::options::{Device, Instructions, Kernel, Options, Skip, Wanted};
 use lpv_lab::simulation::{Action, Simulation};
 use lpv_lab::transport::lattice::schemes;
 use lpv_lab::transport::preset;
@@ -45,6 +45,7 @@ fn at_once(problem: &Problem, options: Options, wanted: Wanted) -> Simulation<f3
 
 /// One way in which nothing is left out, shared or fast but the loop.
 const STRAIGHT: Options = Options {
+    device: Device::Cpu,
     kernel: Kernel::Fast,
     instructions: Instructions::Baseline,
     blocked: false,

@@ -12,4 +12,5 @@ pub mod placing;
 pub mod scales;
 pub mod space;
 pub mod sprites;
+pub mod stage;
 pub mod style;

@@ -18,6 +18,7 @@ pub mod pareto;
 pub mod pin;
 pub mod place;
 pub mod plots;
+pub mod port;
 pub mod purpose;
 pub mod run;
 pub mod settings;
@@ -72,6 +73,8 @@ pub struct Session {
     pub comparison: Comparison,
     /// What is found out aside.
     pub asides: Asides,
+    /// The port that is looked at.
+    pub port: port::Port,
     /// The window's size, in points.
     pub size: egui::Vec2,
     /// What the pointer does in the views.
@@ -99,6 +102,7 @@ impl Session {
             sight: Sight::default(),
             comparison: Comparison::default(),
             asides: Asides::default(),
+            port: port::Port::default(),
             size: egui::vec2(1280.0, 720.0),
             tool: Tool::default(),
             selected: None,

@@ -49,6 +49,10 @@ pub struct BenchArgs {
     /// Sides of the volumes in which the fixed point is iterated to and solved for; 0 to leave it out
     #[arg(long, value_name = "N,N,...", value_delimiter = ',', default_values_t = [32, 64], value_parser = side_or_none)]
     converged: Vec<usize>,
+    /// Measure how fast a graphics card steps, and nothing else
+    #[cfg(feature = "gpu")]
+    #[arg(long)]
+    only_card: bool,
     /// Only measure time against error
     #[arg(long, conflicts_with = "only_converged")]
     only_pareto: bool,
@@ -91,6 +95,12 @@ impl BenchArgs {
 pub fn run(args: &BenchArgs) -> Result<(), CliError> {
     let folder = Folder::create(args.out.clone())?;
     let rounds = usize::from(args.rounds);
+    #[cfg(feature = "gpu")]
+    if args.only_card {
+        super::card::run(&args.sizes, rounds, &folder)?;
+        folder.finish();
+        return Ok(());
+    }
     if args.measures_all() {
         kernels(args, &folder)?;
     }

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use super::{CliError, SceneArgs, console};
 use crate::field::{Grid, Share};
 use crate::scene::cell_file::{self, Grids};
-use crate::simulation::Simulation;
+use crate::simulation::options::Options;
 use crate::system::file::{check_target, write_whole_with};
 
 /// What to print, and where.
@@ -115,7 +115,7 @@ pub fn run(args: &CellsArgs) -> Result<(), CliError> {
     if let Some((path, _)) = out {
         check_target(path).map_err(|e| CliError::Failed(e.to_string()))?;
     }
-    let mut simulation = Simulation::<f32>::new(problem)?;
+    let mut simulation = args.scene.device.simulate(problem, Options::default())?;
     args.level.check(simulation.sizes().count())?;
     simulation.run(|_| true);
     if let Some(divergence) = simulation.divergence() {

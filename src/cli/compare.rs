@@ -1,6 +1,8 @@
-//! `compare`: several schemes on one or many presets, as a table and a CSV.
+//! `compare`: several schemes on one or many presets, as a table and a CSV; or one preset against another.
 
-use std::path::PathBuf;
+mod difference;
+
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -11,11 +13,11 @@ use super::output::Folder;
 use super::{CliError, SceneArgs, course};
 use crate::report::table::{Table, Value};
 use crate::scene::Problem;
+use crate::study::artefacts::{Artefacts, Shares};
 use crate::study::compare::{self, Finding, PATIENCE};
 use crate::study::expectation::Expectation;
-use crate::transport::known_scheme;
+use crate::transport;
 use crate::transport::lattice::schemes;
-use crate::transport::ordinates;
 
 /// What to compare.
 #[derive(Args, Debug)]
@@ -23,9 +25,13 @@ use crate::transport::ordinates;
                         lpv-lab compare one-lobe --schemes cascaded,axial --factor 4\n\n\
                         Errors compare the merged light with the reference: uniform is the same scheme on the finest level alone\n\
                         (what the octree costs), ballistic what truly arrives along straight lines (what the scheme costs);\n\
-                        l1 fitted is after the scalar that fits best. Shift and reach are in cells, leak is the mean light behind\n\
-                        closed occluders over that before them, converged the iteration from which on a snapshot adds less than\n\
-                        1 %. The CSV has every digit and the columns that the table leaves out.")]
+                        l1 fitted is after the scalar that fits best. Energy left is the newest snapshot over the injected light, shift\n\
+                        and reach are in cells, leak is the light behind occluders over that there without them (1: they hold nothing\n\
+                        back), bleeding the light behind its own source over that before it, jump the mean |ln| by which neighbours on\n\
+                        different levels differ too much, converged the iteration from which on a snapshot adds less than 1 %.\n\
+                        The CSV has every digit and the columns that the table has no room for.\n\n\
+                        With --difference the second of two presets is held against the first: errors of the merged light and of\n\
+                        each level, how far the centroid of the light moved, and pictures of both and their difference.")]
 pub struct CompareArgs {
     /// The presets: files, or names of built-in ones
     #[arg(required = true, value_name = "PRESET")]
@@ -42,7 +48,10 @@ pub struct CompareArgs {
     /// The propagation factor, p
     #[arg(long, value_name = "P", value_parser = decimal, allow_negative_numbers = true)]
     factor: Option<f64>,
-    /// The folder to write compare.csv to
+    /// Hold the second of two presets of one size against the first, each under its own scheme if none is given
+    #[arg(long)]
+    difference: bool,
+    /// The folder to write compare.csv to, or with --difference difference.csv and pictures
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -54,27 +63,40 @@ fn reference() -> impl TypedValueParser<Value = Expectation> {
         .map(move |name| known(&name).unwrap_or(Expectation::Merged))
 }
 
+impl CompareArgs {
+    /// One of the presets, with what is to be different in all of them.
+    fn scene(&self, preset: &Path) -> SceneArgs {
+        SceneArgs {
+            preset: preset.to_path_buf(),
+            iterations: self.iterations,
+            factor: self.factor,
+            ..SceneArgs::default()
+        }
+    }
+}
+
+fn check_schemes(names: &[&str]) -> Result<(), CliError> {
+    for name in names {
+        transport::known(name)?;
+    }
+    Ok(())
+}
+
 /// Does the command.
 pub fn run(args: &CompareArgs) -> Result<(), CliError> {
+    if args.difference {
+        return difference::run(args);
+    }
     let names: Vec<&str> = match args.schemes.is_empty() {
         true => schemes::names(),
         false => args.schemes.iter().map(String::as_str).collect(),
     };
-    for name in &names {
-        if *name != ordinates::NAME {
-            known_scheme(name)?;
-        }
-    }
+    check_schemes(&names)?;
     let expectation = args.reference;
     let folder = args.out.clone().map(Folder::create).transpose()?;
     let mut csv = Table::new(CSV_COLUMNS);
     for (i, preset) in args.presets.iter().enumerate() {
-        let scene_args = SceneArgs {
-            preset: preset.clone(),
-            iterations: args.iterations,
-            factor: args.factor,
-            ..SceneArgs::default()
-        };
+        let scene_args = args.scene(preset);
         let (document, problem) = scene_args.load()?;
         let gap = if i == 0 { "" } else { "\n" };
         say!(
@@ -101,40 +123,47 @@ pub fn run(args: &CompareArgs) -> Result<(), CliError> {
     Ok(())
 }
 
-const TEXT_COLUMNS: [&str; 12] = [
+/// What a terminal shows of a finding, the columns that matter most first.
+const TEXT_COLUMNS: [&str; 14] = [
     "scheme",
-    "abs mean",
-    "rel mean",
     "l1 ratio",
     "l1 fitted",
     "energy left",
     "shift",
+    "leak",
+    "bleeding",
+    "jump",
     "reach",
     "axis/diag",
-    "leak",
     "converged",
+    "abs mean",
+    "rel mean",
     "ms/iteration",
 ];
 
-fn text_row(finding: &Finding) -> [Value; 12] {
+fn text_row(finding: &Finding) -> [Value; 14] {
     let converged = finding.converged.map_or_else(|| format!(">{PATIENCE}"), |k| k.to_string());
+    let Artefacts { leak, back_bleeding, jump, .. } = &finding.artefacts;
+    let number = |value: Option<f64>| value.map_or("-".into(), Value::Number);
     [
         finding.scheme.as_str().into(),
-        finding.error.absolute_mean.into(),
-        finding.error.relative_mean.into(),
         finding.error.l1_ratio.into(),
         finding.l1_fitted.into(),
         finding.energy_left.into(),
         finding.shift.into(),
+        number(leak.as_ref().and_then(Shares::finest)),
+        number(back_bleeding.as_ref().and_then(|shares| shares.merged)),
+        number(jump.map(|jump| jump.mean)),
         finding.reach.into(),
         finding.anisotropy.into(),
-        finding.leak.map_or("-".into(), Value::Number),
         Value::Text(converged),
+        finding.error.absolute_mean.into(),
+        finding.error.relative_mean.into(),
         milliseconds(finding).into(),
     ]
 }
 
-const CSV_COLUMNS: [&str; 23] = [
+const CSV_COLUMNS: [&str; 28] = [
     "preset",
     "scheme",
     "size",
@@ -158,12 +187,21 @@ const CSV_COLUMNS: [&str; 23] = [
     "converged",
     "undefined",
     "ms_per_iteration",
+    "leak_merged",
+    "back_bleeding",
+    "back_bleeding_merged",
+    "jump",
+    "negative_cells",
 ];
 
-fn csv_row(preset: &str, problem: &Problem, expectation: Expectation, finding: &Finding) -> [Value; 23] {
+fn csv_row(preset: &str, problem: &Problem, expectation: Expectation, finding: &Finding) -> [Value; 28] {
     let [x, y, z] = finding.centroid;
     let error = finding.error;
     let empty = || Value::Text(String::new());
+    let number = |value: Option<f64>| value.map_or_else(empty, Value::Number);
+    let Artefacts { leak, back_bleeding, jump, negative } = &finding.artefacts;
+    let finest = |shares: &Option<Shares>| number(shares.as_ref().and_then(Shares::finest));
+    let merged = |shares: &Option<Shares>| number(shares.as_ref().and_then(|shares| shares.merged));
     [
         preset.into(),
         finding.scheme.as_str().into(),
@@ -184,10 +222,15 @@ fn csv_row(preset: &str, problem: &Problem, expectation: Expectation, finding: &
         finding.shift.into(),
         finding.reach.into(),
         finding.anisotropy.into(),
-        finding.leak.map_or_else(empty, Value::Number),
+        finest(leak),
         finding.converged.map_or_else(empty, Value::Count),
         error.undefined.into(),
         milliseconds(finding).into(),
+        merged(leak),
+        finest(back_bleeding),
+        merged(back_bleeding),
+        number(jump.map(|jump| jump.mean)),
+        (*negative).into(),
     ]
 }
 

@@ -1,16 +1,17 @@
 //! A run from injection to merge with a line for every iteration, and its errors.
 
-use std::io::IsTerminal;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::CliError;
 use super::console::say;
+use crate::report::number::plain;
 use crate::scene::Problem;
 use crate::simulation::Simulation;
 use crate::study::error::ErrorRow;
 use crate::study::expectation::{Expectation, References};
+use crate::study::light;
 use crate::system::{interrupt, memory};
 
 /// What a run was found to do.
@@ -61,7 +62,7 @@ fn check_room(simulation: &Simulation<f32>) -> Result<(), CliError> {
 /// references are ready for.
 pub fn run(simulation: &mut Simulation<f32>, references: &References) -> Result<Course, CliError> {
     check_room(simulation)?;
-    let iterations = simulation.problem().propagation.iterations;
+    let iterations = simulation.problem().actions();
     let bar = bar(iterations as u64, "{bar:40} iteration {pos} of {len}, {eta} left");
     say!("{}", LINE_HEAD);
     let (mut rows, mut aside) = (Vec::new(), 0.0);
@@ -86,21 +87,18 @@ fn measure(now: &Simulation<f32>, references: &References) -> Vec<ErrorRow> {
     Expectation::ALL.into_iter().flat_map(|expectation| expectation.rows(now, references)).collect()
 }
 
-const LINE_HEAD: &str = "iteration   energy left      abs mean       abs max      rel mean       rel max  undefined";
+const LINE_HEAD: &str = "iteration  energy left   abs mean    abs max   rel mean    rel max  undefined";
 
+/// As wide as its head, whatever the numbers are.
 fn line(now: &Simulation<f32>, all: &ErrorRow) -> String {
-    let energy: f64 = now.lights().iter().map(|light| light.source.level(0).energy()).sum();
-    format!(
-        "{:>9}  {energy:>12.6}  {:>12.5e}  {:>12.5e}  {:>12.5e}  {:>12.5e}  {:>9}",
-        all.iteration, all.absolute_mean, all.absolute_max, all.relative_mean, all.relative_max, all.undefined
-    )
+    let errors = [all.absolute_mean, all.absolute_max, all.relative_mean, all.relative_max];
+    let errors: String = errors.iter().map(|error| format!(" {:>10}", plain(*error, 5))).collect();
+    let left = plain(light::energy_left(now), 6);
+    format!("{:>9}  {left:>11}{errors}  {:>9}", all.iteration, all.undefined)
 }
 
-/// A progress bar on a terminal, none elsewhere.
+/// A progress bar; it hides itself where standard error is no terminal.
 fn bar(length: u64, template: &str) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
     let bar = ProgressBar::new(length);
     if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);

@@ -1,8 +1,9 @@
 //! The preset argument that every command shares, and what the command line changes of it.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::CliError;
 use super::console::remark;
@@ -10,10 +11,13 @@ use super::numbers::{decimal, whole};
 use crate::scene::doubts::doubts;
 use crate::scene::preset::LONGEST;
 use crate::scene::propagation::Policy;
+use crate::scene::propagation::descent::{Descent, Inside};
 use crate::scene::propagation::ordinates::Rule;
 use crate::scene::{Preset, Problem, SceneError, builtin, file};
+use crate::simulation::Simulation;
+use crate::simulation::options::{Device, Options};
 use crate::system::text::{nearest, one_line, shortened};
-use crate::transport::preset;
+use crate::transport::{Refusal, preset};
 
 /// The most characters of a title that are printed.
 const LONGEST_TITLE: usize = 100;
@@ -32,9 +36,19 @@ pub struct SceneArgs {
     /// The propagation factor, p
     #[arg(long, value_name = "P", value_parser = decimal, allow_negative_numbers = true)]
     pub factor: Option<f64>,
-    /// How the operator follows from the octree level: same, one factor for all; consistent, levels that agree
+    /// How the operator follows from the octree level: same, one factor for all; consistent or exact, levels that agree
     #[arg(long, value_name = "POLICY", value_parser = policy)]
     pub levels: Option<Policy>,
+    /// Let the coarse levels start the fine ones: over all cells of a level, or over leaves; --iterations are then those
+    /// of every level
+    #[arg(long, value_name = "TILING")]
+    pub descent: Option<DescentArg>,
+    /// How far leaves are from injected light, in halves of their width
+    #[arg(long, value_name = "R", value_parser = super::octree::distance)]
+    pub leaf_distance: Option<f64>,
+    /// How a descent shows the light of coarse cells in the finest ones
+    #[arg(long, value_name = "SHAPE")]
+    pub inside: Option<InsideArg>,
     /// About how many directions the propagator `ordinates` has
     #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
     pub directions: Option<usize>,
@@ -47,6 +61,54 @@ pub struct SceneArgs {
     /// Let faces carry negative flux
     #[arg(long)]
     pub no_clamp: bool,
+    /// What iterates: the processor, or a graphics card where the program was built with the feature `gpu`; the light
+    /// is the same to the last bit
+    #[arg(long, value_enum, value_name = "DEVICE", default_value_t)]
+    pub device: DeviceArg,
+}
+
+/// What iterates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum DeviceArg {
+    /// The processor
+    #[default]
+    Cpu,
+    /// A graphics card; where it cannot, the processor, and a line says why
+    Gpu,
+}
+
+impl DeviceArg {
+    /// A dark simulation on the device that was asked for, or on the processor where that cannot do it.
+    pub fn simulate(self, problem: impl Into<Arc<Problem>>, options: Options) -> Result<Simulation<f32>, CliError> {
+        let problem = problem.into();
+        if self == DeviceArg::Gpu {
+            match Simulation::with_options(Arc::clone(&problem), Options { device: Device::Gpu, ..options }) {
+                Err(Refusal::Device { what }) => remark!("note: the processor computes: {what}"),
+                other => return Ok(other?),
+            }
+        }
+        Ok(Simulation::with_options(problem, options)?)
+    }
+}
+
+/// What a descent goes over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DescentArg {
+    /// No descent: every level is propagated by itself
+    Off,
+    /// All cells of one level after the other
+    Cells,
+    /// Leaves, the larger the farther from injected light
+    Leaves,
+}
+
+/// What coarse cells show inside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum InsideArg {
+    /// Light that decays as the neighbours say
+    Exponential,
+    /// The same light everywhere
+    Constant,
 }
 
 impl SceneArgs {
@@ -65,6 +127,13 @@ impl SceneArgs {
         }
         if let Some(levels) = self.levels {
             propagation.levels = levels;
+        }
+        propagation.descent = self.descent(propagation.descent)?;
+        if let Some(inside) = self.inside {
+            propagation.inside = match inside {
+                InsideArg::Exponential => Inside::Exponential,
+                InsideArg::Constant => Inside::Constant,
+            };
         }
         if let Some(directions) = self.directions {
             propagation.ordinates.directions = directions;
@@ -85,6 +154,25 @@ impl SceneArgs {
             remark!("warning: {}", SceneError::from(doubt).at_its_place(&text, &self.preset));
         }
         Ok((preset, problem))
+    }
+
+    /// The descent asked for, where the preset's own is `preset`.
+    fn descent(&self, preset: Descent) -> Result<Descent, CliError> {
+        let (before, leaves) = match preset {
+            Descent::Leaves { distance } => (distance, true),
+            _ => (Descent::DISTANCE, false),
+        };
+        let distance = self.leaf_distance.unwrap_or(before);
+        match self.descent {
+            Some(DescentArg::Off) => Ok(Descent::Off),
+            Some(DescentArg::Cells) => Ok(Descent::Cells),
+            Some(DescentArg::Leaves) => Ok(Descent::Leaves { distance }),
+            None if self.leaf_distance.is_some() && !leaves => {
+                Err(CliError::Input("--leaf-distance is for leaves: write --descent leaves, too".to_owned()))
+            }
+            None if leaves => Ok(Descent::Leaves { distance }),
+            None => Ok(preset),
+        }
     }
 
     /// What people see of the preset in a line: its title, or its file's name.

@@ -13,13 +13,16 @@ use super::{CliError, SceneArgs};
 use crate::report::colour::{Paint, Theme};
 use crate::report::error_figure::{ErrorFigure, Measure, Series};
 use crate::report::glyph::Hue;
+use crate::report::number::plain;
 use crate::report::picture::{Panel, Picture};
 use crate::report::slice::{Axis, Plane, Slice};
 use crate::report::table;
 use crate::simulation::options::{Options, Skip};
 use crate::simulation::{Light, Simulation};
+use crate::study::artefacts::{Artefacts, Shares};
 use crate::study::error::ErrorRow;
 use crate::study::expectation::Expectation;
+use crate::study::light;
 use crate::study::stability::outlook;
 use crate::system::interrupt;
 
@@ -171,6 +174,8 @@ struct Summary<'a> {
     seconds: f64,
     /// Σ c00 of the accumulated light on level 0, all channels.
     energy: f64,
+    /// The light of the newest snapshot over the injected light, on level 0.
+    energy_left: f64,
     /// Cells that have received light, for each level.
     lit: Vec<usize>,
     /// The thesis metric over all levels after the last iteration.
@@ -181,6 +186,19 @@ struct Summary<'a> {
     visited: f64,
     /// Cells left out because their light has gone dark, over cells in the volume.
     dark: f64,
+    /// Light behind occluders over light there without them: on level 0, in the merged light, on each level.
+    leak: Option<f64>,
+    leak_merged: Option<f64>,
+    leak_levels: Vec<Option<f64>>,
+    /// Light behind its own source over light before it, in the same order.
+    back_bleeding: Option<f64>,
+    back_bleeding_merged: Option<f64>,
+    back_bleeding_levels: Vec<Option<f64>>,
+    /// The mean |ln| by which neighbours that are sampled on different levels differ too much, and over how many pairs.
+    jump: Option<f64>,
+    jump_pairs: usize,
+    /// Finest cells whose merged light is negative in the mean over all directions.
+    negative_cells: usize,
 }
 
 /// Does the command.
@@ -190,7 +208,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     if let Some(warning) = outlook::warning(&problem) {
         remark!("warning: {warning}");
     }
-    let mut simulation = Simulation::<f32>::with_options(problem, args.options()?)?;
+    let mut simulation = args.scene.device.simulate(problem, args.options()?)?;
     LevelArg::Level(args.level).check(simulation.sizes().count())?;
     let folder = Folder::of_preset(args.out.as_deref(), &args.scene.preset)?;
     interrupt::listen();
@@ -219,6 +237,11 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         folder.write_svg_and_png(&name, &picture(args, &simulation, &title, view, plane))?;
     }
 
+    // Of light that has diverged, or was left half way, nothing can be said.
+    let whole = simulation.divergence().is_none() && !interrupted;
+    let artefacts = if whole { Artefacts::of(&simulation)? } else { Artefacts::default() };
+    let leak = artefacts.leak.clone().unwrap_or_default();
+    let back_bleeding = artefacts.back_bleeding.clone().unwrap_or_default();
     let propagation = &simulation.problem().propagation;
     let thesis = all_levels.iter().rev().find(|row| row.expectation == Expectation::Thesis);
     let summary = Summary {
@@ -231,12 +254,22 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         iterations: simulation.iteration(),
         seconds,
         energy: simulation.lights().iter().map(|light| light.accumulated.level(0).energy()).sum(),
+        energy_left: light::energy_left(&simulation),
         lit: (0..simulation.sizes().count()).map(|i| simulation.index().level(i).count()).collect(),
         absolute_mean: thesis.map_or(0.0, |row| row.absolute_mean),
         relative_mean: thesis.map_or(0.0, |row| row.relative_mean),
         undefined: thesis.map_or(0, |row| row.undefined),
         visited: simulation.work().share(),
         dark: simulation.work().dark_share(),
+        leak: leak.finest(),
+        leak_merged: leak.merged,
+        leak_levels: leak.levels,
+        back_bleeding: back_bleeding.finest(),
+        back_bleeding_merged: back_bleeding.merged,
+        back_bleeding_levels: back_bleeding.levels,
+        jump: artefacts.jump.map(|jump| jump.mean),
+        jump_pairs: artefacts.jump.map_or(0, |jump| jump.pairs),
+        negative_cells: artefacts.negative,
     };
     let text = ron::ser::to_string_pretty(&summary, ron::ser::PrettyConfig::new())
         .map_err(|e| CliError::Failed(format!("summary.ron: {e}")))?;
@@ -254,6 +287,9 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     if let Some(bound) = simulation.still_to_come() {
         say!("light still to come: at most {bound:.2e} of what has been accumulated");
     }
+    for line in artefact_lines(&artefacts) {
+        say!("{line}");
+    }
     let path = folder.path().to_path_buf();
     folder.finish();
     // What was computed before is written all the same: it is good.
@@ -266,6 +302,28 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         return Err(CliError::Interrupted(what));
     }
     Ok(())
+}
+
+/// What went wrong with the light, a line for each kind.
+fn artefact_lines(artefacts: &Artefacts) -> Vec<String> {
+    let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| plain(value, 3));
+    let shares = |what: &str, shares: &Shares| {
+        let levels: Vec<String> = shares.levels.iter().skip(1).map(|level| number(*level)).collect();
+        let coarser =
+            if levels.is_empty() { String::new() } else { format!("; levels from 1 on {}", levels.join(" ")) };
+        format!("{what}: level 0 {}, merged {}{coarser}", number(shares.finest()), number(shares.merged))
+    };
+    let mut lines = Vec::new();
+    lines.extend(artefacts.leak.iter().map(|leak| shares("leak (light behind occluders / there without them)", leak)));
+    lines.extend(artefacts.back_bleeding.iter().map(|back| shares("light behind its own source / before it", back)));
+    lines.extend(artefacts.jump.iter().map(|jump| {
+        let undefined = if jump.undefined == 0 { String::new() } else { format!(", {} undefined", jump.undefined) };
+        format!("jumps between levels: mean |ln| {} over {} pairs{undefined}", plain(jump.mean, 3), jump.pairs)
+    }));
+    if artefacts.negative > 0 {
+        lines.push(format!("negative light: in {} cells", artefacts.negative));
+    }
+    lines
 }
 
 /// The slice asked for, or the one across z in which most light is injected.

@@ -21,8 +21,8 @@ use crate::study::stability::level::critical_of_octree;
 use crate::study::stability::outlook;
 use crate::study::stability::{self, critical_without_borders, critical_without_clamps};
 use crate::study::stress::{self, Outcome};
+use crate::transport;
 use crate::transport::lattice::schemes;
-use crate::transport::ordinates;
 
 /// What to examine, where to write.
 #[derive(Args, Debug)]
@@ -147,8 +147,9 @@ fn save_findings(seed: u64, outcome: &Outcome, folder: Option<&Folder>) -> Resul
 
 /// What becomes of every level of a scene.
 fn print_outlook(problem: &Problem) {
-    if problem.propagation.scheme == ordinates::NAME {
-        say!("ordinates have no critical factor: light leaves the volume within {} iterations", 3 * problem.size - 2);
+    if let Some(kind) = transport::find(&problem.propagation.scheme).filter(|kind| !kind.can.grows) {
+        let longest = 3 * problem.size - 2;
+        say!("{} have no critical factor: light leaves the volume within {longest} iterations", kind.name);
         return;
     }
     let mut table = Table::new(["level", "side", "critical factor", "growth an iteration", "overflow about iteration"]);

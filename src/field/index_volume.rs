@@ -114,6 +114,11 @@ impl Marks {
         self.words.iter().map(|w| w.count_ones() as usize).sum()
     }
 
+    /// Marks every cell.
+    pub fn fill(&mut self) {
+        self.words.fill(row_mask(self.n));
+    }
+
     /// Unmarks every cell.
     pub fn clear(&mut self) {
         self.words.fill(0);

@@ -165,7 +165,9 @@ impl Bvh {
         }
         let most = (leave - enter + 8.0 * self.resolution) / self.unit;
         let start = (origin + d * enter) / self.unit;
-        Some((Ray::new(start.as_vec3a(), d.as_vec3a(), 0.0, most as f32), enter))
+        // Rays of minus zero on some axis miss the boxes; the sum makes it zero.
+        let way = d.as_vec3a() + Vec3A::ZERO;
+        Some((Ray::new(start.as_vec3a(), way, 0.0, most as f32), enter))
     }
 
     /// Where the ray meets triangle `i` of the boxes' order: the distance and the corners' weights.
@@ -277,6 +279,21 @@ mod tests {
             }
         }
         assert!(met > 200, "{met} rays met something");
+    }
+
+    #[test]
+    fn the_sign_of_zero_makes_no_difference() {
+        let floor = [[-5.0, -5.0], [5.0, -5.0], [5.0, 5.0], [-5.0, 5.0]].map(|[x, z]| Vec3::new(x, 0.0, z));
+        let roof = floor.map(|corner| 0.1 * corner + Vec3::Y);
+        let bvh = Bvh::new(&mesh([floor, roof].concat(), vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]]));
+        let from = DVec3::new(0.3, 0.0, 0.1);
+        for way in [DVec3::Y, -DVec3::NEG_Y, DVec3::new(-1e-60, 1.0, 0.0), DVec3::new(0.0, 1.0, -0.0)] {
+            assert!(bvh.blocked(from, way, f64::INFINITY), "{way}");
+            assert!(
+                bvh.closest(from, way, f64::INFINITY).is_some_and(|hit| (hit.distance - 1.0).abs() < 1e-6),
+                "{way}"
+            );
+        }
     }
 
     #[test]

@@ -16,16 +16,16 @@ use gltf::khr_lights_punctual::Kind;
 use gltf::mesh::Mode;
 use gltf::{Document, Node, Primitive, Semantic};
 
-use super::error::MeshError;
 use super::read::{Job, LONGEST, Lamp, LampKind, Parts, shortened};
 use super::texture::{self, TextureId};
 use super::{MOST_TRIANGLES, MOST_VERTICES, Material, is_usable};
+use crate::system::file::FileError;
 
 /// The most nodes that may stand within each other.
 const DEEPEST: usize = 256;
 
 /// Reads a glTF file's bytes, in either form.
-pub(super) fn read(bytes: &[u8], job: &mut Job) -> Result<Parts, MeshError> {
+pub(super) fn read(bytes: &[u8], job: &mut Job) -> Result<Parts, FileError> {
     let (document, binary) = container::open(bytes, job)?;
     job.progress(0.1);
     let scene = document.default_scene().or(document.scenes().next());
@@ -57,7 +57,7 @@ fn placed<'a>(
     roots: impl Iterator<Item = Node<'a>>,
     document: &'a Document,
     job: &Job,
-) -> Result<Vec<(Node<'a>, DMat4)>, MeshError> {
+) -> Result<Vec<(Node<'a>, DMat4)>, FileError> {
     let mut met = vec![false; document.nodes().len()];
     let mut placed = Vec::new();
     let mut ahead: Vec<(Node, DMat4, usize)> = roots.map(|node| (node, DMat4::IDENTITY, 0)).collect();
@@ -81,7 +81,7 @@ fn placed<'a>(
 }
 
 /// Refuses a scene of too many triangles before any is read.
-fn check_counts(placed: &[(Node, DMat4)], job: &Job) -> Result<(), MeshError> {
+fn check_counts(placed: &[(Node, DMat4)], job: &Job) -> Result<(), FileError> {
     let (mut triangles, mut vertices) = (0usize, 0usize);
     for (node, _) in placed {
         for primitive in node.mesh().iter().flat_map(|mesh| mesh.primitives()) {
@@ -100,7 +100,7 @@ fn check_counts(placed: &[(Node, DMat4)], job: &Job) -> Result<(), MeshError> {
 }
 
 /// The bytes of every buffer.
-fn buffers<'a>(document: &Document, binary: Option<&'a [u8]>, job: &Job) -> Result<Vec<Cow<'a, [u8]>>, MeshError> {
+fn buffers<'a>(document: &Document, binary: Option<&'a [u8]>, job: &Job) -> Result<Vec<Cow<'a, [u8]>>, FileError> {
     let mut left = LONGEST;
     let mut all = Vec::new();
     for buffer in document.buffers() {
@@ -129,7 +129,7 @@ fn buffers<'a>(document: &Document, binary: Option<&'a [u8]>, job: &Job) -> Resu
 }
 
 /// By material its base colour's texture.
-fn textures(document: &Document, buffers: &[Cow<[u8]>], job: &mut Job) -> Result<Vec<Paint>, MeshError> {
+fn textures(document: &Document, buffers: &[Cow<[u8]>], job: &mut Job) -> Result<Vec<Paint>, FileError> {
     let mut by_image: Vec<Option<Option<TextureId>>> = vec![None; document.images().len()];
     let mut paints = Vec::new();
     for material in document.materials() {

@@ -11,16 +11,16 @@ use std::str::FromStr;
 
 use glam::{Vec2, Vec3};
 
-use super::error::MeshError;
-use super::read::{Job, Parts, shortened};
+use super::read::{Job, Parts, at_line, shortened};
 use super::texture::TextureId;
 use super::{FARTHEST, MOST_TRIANGLES, MOST_VERTICES, Material, is_usable, polygon};
+use crate::system::file::FileError;
 
 /// The most corners that a face may have.
 const MOST_CORNERS: usize = 1000;
 
 /// Reads an OBJ file's bytes.
-pub(super) fn read(bytes: &[u8], job: &mut Job) -> Result<Parts, MeshError> {
+pub(super) fn read(bytes: &[u8], job: &mut Job) -> Result<Parts, FileError> {
     let count = Count::of(bytes, job)?;
     let parts = Parts {
         vertices: Vec::with_capacity(count.vertices),
@@ -58,7 +58,7 @@ struct Count {
 }
 
 impl Count {
-    fn of(bytes: &[u8], job: &Job) -> Result<Count, MeshError> {
+    fn of(bytes: &[u8], job: &Job) -> Result<Count, FileError> {
         let mut count = Count { vertices: 0, triangles: 0 };
         for (i, line) in lines(bytes).enumerate() {
             match keyword(line) {
@@ -71,7 +71,7 @@ impl Count {
             }
             if count.triangles > MOST_TRIANGLES || count.vertices > MOST_VERTICES {
                 let what = format!("here it comes to more than {MOST_TRIANGLES} triangles");
-                return Err(MeshError::line(job.path, i + 1, what, "take a coarser mesh"));
+                return Err(at_line(job.path, i + 1, what, "take a coarser mesh"));
             }
         }
         Ok(count)
@@ -102,12 +102,12 @@ struct Paint {
 
 impl Reader<'_, '_> {
     /// Reads a line, counted from 1.
-    fn take(&mut self, number: usize, line: &[u8]) -> Result<(), MeshError> {
+    fn take(&mut self, number: usize, line: &[u8]) -> Result<(), FileError> {
         match keyword(line) {
             b"v" | b"vt" | b"f" | b"mtllib" | b"usemtl" => {}
             _ => return Ok(()),
         }
-        let fault = |job: &Job, what: String, remedy: &str| MeshError::line(job.path, number, what, remedy);
+        let fault = |job: &Job, what: String, remedy: &str| at_line(job.path, number, what, remedy);
         let Some(line) = text(line) else {
             return Err(fault(self.job, "this line is not UTF-8 text".into(), "save the file as UTF-8"));
         };
@@ -147,7 +147,7 @@ impl Reader<'_, '_> {
     }
 
     /// Takes over the materials of a library: of the file of this name, or of several where no file has it.
-    fn library(&mut self, names: &str) -> Result<(), MeshError> {
+    fn library(&mut self, names: &str) -> Result<(), FileError> {
         let instead = "its materials are grey";
         let whole = [names];
         let files: Vec<&str> =

@@ -5,9 +5,9 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use super::error::MeshError;
 use super::texture::Textures;
 use super::{Material, Mesh, gltf, obj};
+use crate::system::file::FileError;
 
 /// The longest file of a mesh, in bytes; ten million triangles as text are about as long.
 pub const LONGEST: u64 = 512 << 20;
@@ -83,14 +83,14 @@ pub const FORMATS: [&str; 3] = ["obj", "gltf", "glb"];
 ///
 /// # Errors
 /// A file that is not there or cannot be a mesh, in one line with the place.
-pub fn read(path: &Path, files: &dyn Files, progress: &mut dyn FnMut(f64)) -> Result<Loaded, MeshError> {
+pub fn read(path: &Path, files: &dyn Files, progress: &mut dyn FnMut(f64)) -> Result<Loaded, FileError> {
     let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).unwrap_or_default();
-    let read: fn(&[u8], &mut Job) -> Result<Parts, MeshError> = match ending.as_str() {
+    let read: fn(&[u8], &mut Job) -> Result<Parts, FileError> = match ending.as_str() {
         "obj" => obj::read,
         "gltf" | "glb" => gltf::read,
         _ => {
             let what = "this program reads no such mesh";
-            return Err(MeshError::new(path, what, "give a file that ends in .obj, .gltf or .glb"));
+            return Err(FileError::new(path, what, "give a file that ends in .obj, .gltf or .glb"));
         }
     };
     let bytes = files.read(path, LONGEST).map_err(|unread| refusal(path, unread))?;
@@ -100,7 +100,7 @@ pub fn read(path: &Path, files: &dyn Files, progress: &mut dyn FnMut(f64)) -> Re
     let mut notes = job.notes;
     let tints = if job.textures.any() { parts.tints } else { Vec::new() };
     let (mesh, dropped) = Mesh::tinted(parts.vertices, parts.triangles, parts.made_of, parts.materials, tints)
-        .map_err(|what| MeshError::new(path, what, "a mesh has triangles of finite corners"))?;
+        .map_err(|what| FileError::new(path, what, "a mesh has triangles of finite corners"))?;
     if dropped > 0 {
         notes.push(format!("{}: {dropped} triangles without an area were dropped", path.display()));
     }
@@ -137,7 +137,7 @@ impl Job<'_> {
         name: &str,
         limit: u64,
         instead: &str,
-    ) -> Result<Option<(PathBuf, Vec<u8>)>, MeshError> {
+    ) -> Result<Option<(PathBuf, Vec<u8>)>, FileError> {
         let path = self.path_of(name)?;
         match self.files.read(&path, limit) {
             Ok(bytes) => Ok(Some((path, bytes))),
@@ -150,7 +150,7 @@ impl Job<'_> {
     }
 
     /// The bytes of a file that the mesh cannot do without.
-    pub(super) fn needed(&self, name: &str, limit: u64) -> Result<Vec<u8>, MeshError> {
+    pub(super) fn needed(&self, name: &str, limit: u64) -> Result<Vec<u8>, FileError> {
         let path = self.path_of(name)?;
         self.files.read(&path, limit).map_err(|unread| refusal(&path, unread))
     }
@@ -170,13 +170,13 @@ impl Job<'_> {
     }
 
     /// A fault of the mesh's own file.
-    pub(super) fn fault(&self, what: impl Into<String>, remedy: impl Into<String>) -> MeshError {
-        MeshError::new(self.path, what, remedy)
+    pub(super) fn fault(&self, what: impl AsRef<str>, remedy: impl AsRef<str>) -> FileError {
+        FileError::new(self.path, what, remedy)
     }
 
     /// Where a file lies that the mesh names. Only paths that go down or sideways from the mesh's folder are
     /// names of files: what `..` leads to is for [`Files`] to allow.
-    fn path_of(&self, name: &str) -> Result<PathBuf, MeshError> {
+    fn path_of(&self, name: &str) -> Result<PathBuf, FileError> {
         // Some programs write `\` between folders.
         let name = name.replace('\\', "/");
         let relative = Path::new(&name);
@@ -189,11 +189,16 @@ impl Job<'_> {
     }
 }
 
-fn refusal(path: &Path, unread: Unread) -> MeshError {
+fn refusal(path: &Path, unread: Unread) -> FileError {
     match unread {
-        Unread::Missing => MeshError::new(path, "there is no such file", "give the path of a file that is there"),
-        Unread::Refused { what, remedy } => MeshError::new(path, what, remedy),
+        Unread::Missing => FileError::new(path, "there is no such file", "give the path of a file that is there"),
+        Unread::Refused { what, remedy } => FileError::new(path, what, remedy),
     }
+}
+
+/// A fault of a line of a file, counted from 1.
+pub(super) fn at_line(path: &Path, line: usize, what: impl AsRef<str>, remedy: impl AsRef<str>) -> FileError {
+    FileError { line: Some(line), ..FileError::new(path, what, remedy) }
 }
 
 /// A name as a message may quote it.

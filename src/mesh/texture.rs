@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 use glam::Vec2;
 use image::{ImageReader, Limits, RgbImage};
 
-use super::error::MeshError;
 use super::read::Job;
+use crate::system::file::FileError;
 
 /// The longest file of a texture, in bytes.
 pub(super) const LONGEST: u64 = 64 << 20;
@@ -40,10 +40,10 @@ impl Textures {
     }
 
     /// Adds a picture in PNG or JPEG, whose fault is told of `path`.
-    pub(super) fn add(&mut self, bytes: &[u8], path: &Path) -> Result<TextureId, MeshError> {
+    pub(super) fn add(&mut self, bytes: &[u8], path: &Path) -> Result<TextureId, FileError> {
         let fault = |what: String| {
             let remedy = format!("give a PNG or JPEG of at most {LARGEST} × {LARGEST} texels");
-            MeshError::new(path, what, remedy)
+            FileError::new(path, what, remedy)
         };
         let mut limits = Limits::default();
         (limits.max_image_width, limits.max_image_height) = (Some(LARGEST), Some(LARGEST));
@@ -76,7 +76,7 @@ impl Textures {
 
 impl Job<'_> {
     /// The texture in a file that the mesh names; `None`, with a note, where there is no such file.
-    pub(super) fn texture_in_file(&mut self, name: &str) -> Result<Option<TextureId>, MeshError> {
+    pub(super) fn texture_in_file(&mut self, name: &str) -> Result<Option<TextureId>, FileError> {
         let known = PathBuf::from(name);
         if let Some(texture) = self.textures.by_file.get(&known) {
             return Ok(*texture);

@@ -90,6 +90,31 @@ pub struct Series {
 
 impl Series {
     /// A series for each expectation and level of one run's rows, in the order in which they first appear.
+    ///
+    /// ```
+    /// use lpv_lab::report::colour::Theme;
+    /// use lpv_lab::report::error_figure::{ErrorFigure, Measure, Series};
+    /// use lpv_lab::study::error::Tally;
+    /// use lpv_lab::study::expectation::Expectation;
+    ///
+    /// let row = |k: usize| {
+    ///     let mut tally = Tally::default();
+    ///     tally.add(0.5f64.powi(k as i32), 1.0, 1.0);
+    ///     tally.row(k, Expectation::Merged, None)
+    /// };
+    /// let figure = ErrorFigure {
+    ///     title: "Halved in every iteration",
+    ///     series: &Series::of_run(&[row(0), row(1), row(2)]),
+    ///     measures: &Measure::ALL,
+    ///     means: true,
+    ///     largest: false,
+    ///     log: true,
+    ///     current: None,
+    ///     theme: Theme::LIGHT,
+    ///     size: [800, 900],
+    /// };
+    /// assert!(figure.figure().to_svg().contains("Absolute error, merged"));
+    /// ```
     pub fn of_run(rows: &[ErrorRow]) -> Vec<Series> {
         let mut groups: Vec<(Expectation, Option<usize>)> = Vec::new();
         for row in rows {

@@ -28,6 +28,12 @@ pub fn power_of_ten(exponent: i32) -> String {
 }
 
 /// A number in `digits` significant digits (at least 1), trailing zeros left out: `0.031`, `2.5×10⁻⁵`, `−12`.
+///
+/// ```
+/// use lpv_lab::report::number::short;
+///
+/// assert_eq!(short(2.5e-5, 2), "2.5×10⁻⁵");
+/// ```
 pub fn short(value: f64, digits: usize) -> String {
     let Some((mantissa, exponent)) = rounded(value, digits) else { return special(value).to_owned() };
     let sign = if value < 0.0 { "−" } else { "" };
@@ -39,6 +45,12 @@ pub fn short(value: f64, digits: usize) -> String {
 }
 
 /// The same in characters that a terminal has and other programs read: `0.031`, `2.5e-5`, `-12`.
+///
+/// ```
+/// use lpv_lab::report::number::plain;
+///
+/// assert_eq!([plain(0.031_4, 2), plain(-0.0, 3), plain(2.5e-5, 2)], ["0.031", "0", "2.5e-5"]);
+/// ```
 pub fn plain(value: f64, digits: usize) -> String {
     let Some((mantissa, exponent)) = rounded(value, digits) else { return special(value).to_owned() };
     let sign = if value < 0.0 { "-" } else { "" };

@@ -46,7 +46,7 @@ pub fn shape(treatment: Treatment) -> Shape {
     match treatment {
         Treatment::Uniform => Shape::Disc,
         Treatment::Octree(Policy::Same) => Shape::Square,
-        Treatment::Octree(Policy::Consistent) => Shape::Triangle,
+        Treatment::Octree(Policy::Consistent | Policy::Exact) => Shape::Triangle,
         Treatment::Converged => Shape::Cross,
     }
 }
@@ -57,6 +57,7 @@ pub fn treatment_summary(treatment: Treatment) -> &'static str {
         Treatment::Uniform => "finest level alone",
         Treatment::Octree(Policy::Same) => "one factor for all levels",
         Treatment::Octree(Policy::Consistent) => "consistent levels",
+        Treatment::Octree(Policy::Exact) => "exact levels",
         Treatment::Converged => "fixed point, solved for",
     }
 }

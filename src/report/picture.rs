@@ -1,15 +1,16 @@
 //! Slices as a picture for a paper: polar glyphs side by side, with axes and a legend, as SVG or PNG.
 
+mod legend;
 mod plan;
 
 use std::collections::BTreeMap;
 
 use super::colour::{Paint, Rgb, Theme};
 use super::glyph::{self, GlyphScale, Glyphs, Hue, Outline};
-use super::legend::{LEADING, Legend};
 use super::raster::{self, RasterError};
 use super::slice::{Axis, Slice};
 use super::svg::{Anchor, PathData, Stroke, Svg, Type, fitted};
+use legend::{LEADING, Legend};
 use plan::{MARGIN, Plan};
 
 /// One slice in a picture.

@@ -1,37 +1,13 @@
 //! Curves as a figure for a paper: one or more plots above each other, as SVG or PNG.
 
+mod pen;
+
 use super::axis::Axis;
-use super::colour::{Rgb, Theme};
+use super::colour::Theme;
 use super::raster::{self, RasterError};
 use super::svg::{Anchor, PathData, Stroke, Svg, Type, fitted, text_width};
-
-/// How a curve is drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Dash {
-    /// In one go.
-    #[default]
-    Solid,
-    /// In dashes.
-    Dashed,
-    /// In dots.
-    Dotted,
-    /// Only its points.
-    Points(Shape),
-}
-
-/// What a point is drawn as.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Shape {
-    /// A full circle.
-    #[default]
-    Disc,
-    /// A full square.
-    Square,
-    /// A full triangle that points up.
-    Triangle,
-    /// Two lines.
-    Cross,
-}
+pub use pen::{Dash, Shape};
+use pen::{draw_point, stroke};
 
 /// What a shape stands for, where colours stand for something else.
 #[derive(Clone, Debug, PartialEq)]
@@ -355,35 +331,6 @@ impl Frame<'_> {
             svg.text([at, top - 0.5 * self.em], &mark.label, set);
         }
     }
-}
-
-/// A point of a shape that reaches about `radius` from its middle.
-fn draw_point(svg: &mut Svg, shape: Shape, [x, y]: [f64; 2], radius: f64, color: Rgb) {
-    let corner = |right: f64, down: f64| [x + radius * right, y + radius * down];
-    let mut path = PathData::default();
-    match shape {
-        Shape::Disc => return svg.disc([x, y], radius, color),
-        Shape::Square => {
-            path.polygon([corner(-0.9, -0.9), corner(0.9, -0.9), corner(0.9, 0.9), corner(-0.9, 0.9)]);
-        }
-        Shape::Triangle => path.polygon([corner(0.0, -1.2), corner(1.1, 0.8), corner(-1.1, 0.8)]),
-        Shape::Cross => {
-            for [from, to] in [[corner(-1.0, -1.0), corner(1.0, 1.0)], [corner(-1.0, 1.0), corner(1.0, -1.0)]] {
-                svg.line(from, to, Stroke::solid(color, 0.5 * radius));
-            }
-            return;
-        }
-    }
-    svg.shape(path.as_str(), color);
-}
-
-fn stroke(color: Rgb, dash: Dash, em: f64) -> Stroke {
-    let dashes: &[f64] = match dash {
-        Dash::Solid | Dash::Points(_) => &[],
-        Dash::Dashed => &[6.0, 4.0],
-        Dash::Dotted => &[1.5, 3.0],
-    };
-    Stroke { color, width: (0.14 * em).max(1.0), dashes }
 }
 
 #[cfg(test)]

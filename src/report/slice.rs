@@ -125,6 +125,34 @@ pub struct Slice {
 }
 
 impl Slice {
+    /// Takes the light of another cut of the same side away, cell by cell.
+    ///
+    /// ```
+    /// use lpv_lab::field::{Channels, Grid};
+    /// use lpv_lab::report::slice::{Plane, Slice};
+    /// use lpv_lab::sh::Sh;
+    ///
+    /// let mut grid = Grid::<f32>::new(4);
+    /// grid.set([1, 2, 0], Sh([1.0, 0.5, 0.0, 0.0]));
+    /// let white = Channels::of_colors(&[[1.0; 3]]);
+    /// let mut slice = Slice::level(&[&grid], &white, 0, Plane::default());
+    /// slice.subtract(&slice.clone());
+    /// assert!(slice.cells.iter().all(|cell| cell.light[0].is_zero()));
+    /// ```
+    pub fn subtract(&mut self, other: &Slice) {
+        let mut light = vec![[Sh::ZERO; 3]; other.side * other.side];
+        for cell in &other.cells {
+            for row in cell.row..cell.row + cell.span {
+                let start = row * other.side + cell.column;
+                light[start..start + cell.span].fill(cell.light);
+            }
+        }
+        for cell in &mut self.cells {
+            let taken = light.get(cell.row * other.side + cell.column).copied().unwrap_or_default();
+            cell.light = std::array::from_fn(|c| cell.light[c] - taken[c]);
+        }
+    }
+
     /// A cut through one level; `grids` holds that level of each channel.
     pub fn level(grids: &[&Grid<f32>], channels: &Channels, level: usize, plane: Plane) -> Self {
         let side = grids.first().map_or(0, |grid| grid.side());

@@ -7,6 +7,11 @@ use super::pareto_figure::propagator_name;
 use crate::study::error::ErrorRow;
 use crate::study::pareto;
 
+/// The width that tables for people fit into, in characters: that of a terminal.
+pub const WIDTH: usize = 80;
+/// Between two columns.
+const GAP: usize = 2;
+
 /// What stands in one place of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
@@ -23,8 +28,8 @@ impl Value {
         match self {
             Value::Text(text) => text.clone(),
             Value::Count(count) => count.to_string(),
-            // The shortest text that reads back as the same number.
-            Value::Number(number) => format!("{number:?}"),
+            // The shortest text that reads back as the same number; adding 0 turns −0 into 0.
+            Value::Number(number) => format!("{:?}", number + 0.0),
         }
     }
 
@@ -63,6 +68,18 @@ pub struct Table<const N: usize> {
 
 impl<const N: usize> Table<N> {
     /// A table without rows.
+    ///
+    /// ```
+    /// use lpv_lab::report::table::Table;
+    ///
+    /// let mut table = Table::new(["scheme", "k", "error"]);
+    /// table.push(["cascaded".into(), 4.into(), 7.8e-5.into()]);
+    /// assert_eq!(table.to_text(), "scheme    k   error\ncascaded  4  7.8e-5\n");
+    /// let mut csv = Vec::new();
+    /// table.write_csv(&mut csv)?;
+    /// assert_eq!(csv, b"scheme,k,error\ncascaded,4,7.8e-5\n");
+    /// # Ok::<(), std::io::Error>(())
+    /// ```
     pub fn new(columns: [&'static str; N]) -> Self {
         Table { columns, rows: Vec::new() }
     }
@@ -86,7 +103,8 @@ impl<const N: usize> Table<N> {
     }
 
     /// The table for people: a line with the columns' names, then a line a row, columns two spaces
-    /// apart, numbers aligned to the right.
+    /// apart, numbers aligned to the right. Columns that do not fit into [`WIDTH`] are left out, the last
+    /// first, and named below.
     pub fn to_text(&self) -> String {
         let rows: Vec<[String; N]> = self.rows.iter().map(|row| row.each_ref().map(Value::brief)).collect();
         let width = |c: usize| {
@@ -95,15 +113,25 @@ impl<const N: usize> Table<N> {
         };
         let widths: [usize; N] = std::array::from_fn(width);
         let words: [bool; N] = std::array::from_fn(|c| self.rows.iter().any(|row| matches!(row[c], Value::Text(_))));
+        let mut used = 0;
+        let fits = |width: &&usize| {
+            used += **width + if used == 0 { 0 } else { GAP };
+            used <= WIDTH
+        };
+        let shown = widths.iter().take_while(fits).count().max(1);
         let line = |cells: &[String; N]| {
-            let aligned = (0..N).map(|c| {
+            let aligned = (0..shown).map(|c| {
                 let (cell, width) = (&cells[c], widths[c]);
                 if words[c] { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
             });
-            aligned.collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
+            aligned.collect::<Vec<_>>().join(&" ".repeat(GAP)).trim_end().to_owned() + "\n"
         };
         let head = line(&self.columns.map(str::to_owned));
-        rows.iter().fold(head, |text, row| text + &line(row))
+        let mut text = rows.iter().fold(head, |text, row| text + &line(row));
+        if shown < N {
+            text += &format!("(no room for {})\n", self.columns[shown..].join(", "));
+        }
+        text
     }
 }
 
@@ -218,5 +246,24 @@ mod tests {
              axial     128     0.5\n"
         );
         assert_eq!(Table::new(["a", "b"]).to_text(), "a  b\n");
+    }
+
+    #[test]
+    fn what_a_terminal_has_no_room_for_is_named_and_not_broken() {
+        let names = ["one", "two", "three", "four", "five", "six", "seven", "eight", "nine"];
+        let mut table = Table::new(names);
+        table.push(std::array::from_fn(|_| Value::Number(-1.234_567e-30)));
+        let text = table.to_text();
+        assert!(text.lines().all(|line| line.chars().count() <= WIDTH), "{text}");
+        assert!(text.ends_with("(no room for seven, eight, nine)\n"), "{text}");
+    }
+
+    #[test]
+    fn minus_zero_is_zero() {
+        let mut table = Table::new(["a"]);
+        table.push([Value::Number(-0.0)]);
+        let mut file = Vec::new();
+        table.write_csv(&mut file).unwrap();
+        assert_eq!((std::str::from_utf8(&file).unwrap(), table.to_text().as_str()), ("a\n0.0\n", "a\n0\n"));
     }
 }

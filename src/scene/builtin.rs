@@ -11,6 +11,12 @@ macro_rules! presets {
     };
 }
 
+macro_rules! files_beside {
+    ($($path:literal),* $(,)?) => {
+        &[$(($path, include_str!(concat!("../../presets/", $path)))),*]
+    };
+}
+
 /// Every built-in preset: its name and its text. The first is the one the program opens by itself.
 pub const PRESETS: &[(&str, &str)] = presets![
     "two-walls",
@@ -27,10 +33,26 @@ pub const PRESETS: &[(&str, &str)] = presets![
     "pillar",
     "room-with-window",
     "mirrored-room",
+    "cornell",
+    "cube-room",
+    "room-with-windows",
+    "atrium",
+    "descent",
+    "moving-lobe",
 ];
 
 /// Files beside the presets that some of them read, by their path from the presets' folder.
-const CELL_FILES: &[(&str, &str)] = &[("cells/ring.csv", include_str!("../../presets/cells/ring.csv"))];
+const BESIDE: &[(&str, &str)] = files_beside![
+    "cells/ring.csv",
+    "scenes/atrium.mtl",
+    "scenes/atrium.obj",
+    "scenes/cornell.mtl",
+    "scenes/cornell.obj",
+    "scenes/cube-room.mtl",
+    "scenes/cube-room.obj",
+    "scenes/room-with-windows.mtl",
+    "scenes/room-with-windows.obj",
+];
 
 /// The text of the built-in preset called `name`.
 pub fn find(name: &str) -> Option<&'static str> {
@@ -51,12 +73,13 @@ pub fn folder() -> io::Result<PathBuf> {
 /// # Errors
 /// Where they cannot be written.
 pub fn folder_of(text: &str) -> io::Result<PathBuf> {
-    folder_with(|path| text.contains(path))
+    // A mesh names its library of materials, which the preset does not.
+    folder_with(|path| text.contains(path) || text.contains(&path.replace(".mtl", ".obj")))
 }
 
 fn folder_with(needed: impl Fn(&str) -> bool) -> io::Result<PathBuf> {
     let folder = std::env::temp_dir().join(concat!("lpv-lab-presets-", env!("CARGO_PKG_VERSION")));
-    for (path, content) in CELL_FILES.iter().filter(|(path, _)| needed(path)) {
+    for (path, content) in BESIDE.iter().filter(|(path, _)| needed(path)) {
         let path = folder.join(path);
         if std::fs::read_to_string(&path).is_ok_and(|there| there == *content) {
             continue;
@@ -73,7 +96,7 @@ fn folder_with(needed: impl Fn(&str) -> bool) -> io::Result<PathBuf> {
 /// Every file that belongs to the presets, by its path from their folder, with its text.
 pub fn files() -> impl Iterator<Item = (String, &'static str)> {
     let presets = PRESETS.iter().map(|(name, text)| (format!("{name}.ron"), *text));
-    presets.chain(CELL_FILES.iter().map(|(path, text)| ((*path).to_owned(), *text)))
+    presets.chain(BESIDE.iter().map(|(path, text)| ((*path).to_owned(), *text)))
 }
 
 #[cfg(test)]

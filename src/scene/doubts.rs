@@ -42,7 +42,7 @@ fn shut_in(problem: &Problem, light: &[(Cell, Sh<f64>)]) -> Option<Fault> {
     let order = |cell: Cell| [cell[2], cell[1], cell[0]];
     let opaque = |cell: Cell| {
         let found = problem.solids.binary_search_by_key(&order(cell), |solid| order(solid.cell));
-        found.is_ok_and(|i| problem.solids[i].opacity >= 1.0)
+        found.is_ok_and(|i| problem.solids[i].opacity.iter().all(|opacity| *opacity >= 1.0))
     };
     let is_shut = |cell: Cell| {
         let neighbours = (0..6).map(|face| {

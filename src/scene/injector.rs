@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::cell_file::{self, Column};
 use super::error::{Fault, SceneError};
 use super::file;
+use super::path::{self, Keyframe};
 use super::region::{Region, check_cell};
 use super::value::{not_negative, unit};
 use crate::field::Cell;
@@ -35,6 +36,9 @@ pub struct Injector {
     /// Whether it injects; true. The window switches injectors off without losing them.
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub enabled: bool,
+    /// Where it moves, for what follows light over time; nowhere.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub path: Vec<Keyframe>,
 }
 
 /// The cells that an injector lights.
@@ -115,7 +119,7 @@ impl Side {
 impl Injector {
     /// An injector of white light with every other field at its default.
     pub fn new(kind: InjectorKind) -> Self {
-        Injector { kind, direction: None, multiplier: one(), color: white(), enabled: yes() }
+        Injector { kind, direction: None, multiplier: one(), color: white(), enabled: yes(), path: Vec::new() }
     }
 
     /// Whether it can be injected into a volume of side `size`; files are not opened.
@@ -138,6 +142,7 @@ impl Injector {
         for value in self.color {
             not_negative(value, "a colour's part").map_err(|p| p.field("color"))?;
         }
+        path::check(&self.path).map_err(|p| p.field("path"))?;
         self.check_brightness(1.0)
     }
 

@@ -1,7 +1,7 @@
 //! NumPy's `.npy` form of light: an array of shape (n, n, n, 4), C order, indexed [z, y, x], each entry
 //! (c00, c1-1, c10, c11) in the published basis.
 //!
-//! f4 and f8 of either endianness are read, little-endian f4 is written. The reader takes the header apart
+//! f2, f4 and f8 of either endianness are read, little-endian f4 is written. The reader takes the header apart
 //! by itself: it must trust nothing that the header claims before the file's length agrees.
 
 use std::io::{self, BufReader, Read, Write};
@@ -62,7 +62,7 @@ fn lit_cells(mut file: impl Read, length: u64, size: usize, most: usize) -> Resu
 }
 
 /// The header's dictionary without blanks, and where the data begin.
-fn header(file: &mut impl Read) -> Result<(String, u64), Wrong> {
+pub(super) fn header(file: &mut impl Read) -> Result<(String, u64), Wrong> {
     let none = || ("this is no .npy file".to_owned(), "numpy.save writes one".to_owned());
     let mut start = [0; 8];
     file.read_exact(&mut start).map_err(|_| none())?;
@@ -90,9 +90,9 @@ fn header(file: &mut impl Read) -> Result<(String, u64), Wrong> {
 }
 
 /// How a file writes a number.
-struct Number {
-    /// Bytes of one, 4 or 8.
-    width: usize,
+pub(super) struct Number {
+    /// Bytes of one: 2, 4 or 8.
+    pub(super) width: usize,
     /// Whether the largest byte comes first.
     big_endian: bool,
 }
@@ -106,6 +106,12 @@ impl Number {
             let what = format!("the array's shape is {}", quote(shape));
             return Err((what, format!("this volume takes ({size}, {size}, {size}, 4), indexed [z, y, x]")));
         }
+        Self::in_c_order(header)
+    }
+
+    /// The form that a header names, whatever the array's shape.
+    pub(super) fn in_c_order(header: &str) -> Result<Self, Wrong> {
+        let missing = |key: &str| (format!("the header has no {key}"), "numpy.save writes it".to_owned());
         if entry(header, "fortran_order").ok_or_else(|| missing("fortran_order"))? != "False" {
             return Err((
                 "the array is in Fortran order".to_owned(),
@@ -114,20 +120,22 @@ impl Number {
         }
         let descr = entry(header, "descr").ok_or_else(|| missing("descr"))?;
         let (width, big_endian) = match descr {
+            "'<f2'" => (2, false),
+            "'>f2'" => (2, true),
             "'<f4'" => (4, false),
             "'>f4'" => (4, true),
             "'<f8'" => (8, false),
             "'>f8'" => (8, true),
             _ => {
                 let what = format!("the array's type is {}", quote(descr));
-                return Err((what, "write it as float32 or float64".to_owned()));
+                return Err((what, "write it as float16, float32 or float64".to_owned()));
             }
         };
         Ok(Number { width, big_endian })
     }
 
     /// The next number.
-    fn read(&self, file: &mut impl Read) -> io::Result<f64> {
+    pub(super) fn read(&self, file: &mut impl Read) -> io::Result<f64> {
         let mut bytes = [0; 8];
         let bytes = &mut bytes[..self.width];
         file.read_exact(bytes)?;
@@ -135,6 +143,7 @@ impl Number {
             bytes.reverse();
         }
         Ok(match *bytes {
+            [a, b] => half(u16::from_le_bytes([a, b])),
             [a, b, c, d] => f64::from(f32::from_le_bytes([a, b, c, d])),
             [a, b, c, d, e, f, g, h] => f64::from_le_bytes([a, b, c, d, e, f, g, h]),
             _ => return Err(io::ErrorKind::InvalidData.into()),
@@ -142,14 +151,26 @@ impl Number {
     }
 }
 
+/// The number that sixteen bits hold: a sign, five bits of exponent, ten of mantissa.
+fn half(bits: u16) -> f64 {
+    let sign = if bits >> 15 == 1 { -1.0 } else { 1.0 };
+    let (exponent, mantissa) = (i32::from(bits >> 10 & 31), f64::from(bits & 1023) / 1024.0);
+    sign * match exponent {
+        0 => mantissa * 2f64.powi(-14),
+        31 if mantissa == 0.0 => f64::INFINITY,
+        31 => f64::NAN,
+        _ => (1.0 + mantissa) * 2f64.powi(exponent - 15),
+    }
+}
+
 /// What a Python dictionary without blanks holds under `key`.
-fn entry<'a>(dictionary: &'a str, key: &str) -> Option<&'a str> {
+pub(super) fn entry<'a>(dictionary: &'a str, key: &str) -> Option<&'a str> {
     let (_, rest) = dictionary.split_once(&format!("'{key}':"))?;
     let end = if rest.starts_with('(') { rest.find(')')? + 1 } else { rest.find([',', '}'])? };
     Some(&rest[..end])
 }
 
-fn unreadable(error: io::Error) -> Wrong {
+pub(super) fn unreadable(error: io::Error) -> Wrong {
     (error.to_string(), "check the file and its disk".to_owned())
 }
 

@@ -9,6 +9,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::error::{Fault, SceneError, Step};
 use super::injector::Injector;
+use super::mesh_scene::MeshScene;
 use super::occluder::{Occluder, Occlusion};
 use super::propagation::Propagation;
 use super::{file, place, syntax};
@@ -49,6 +50,10 @@ pub struct Preset {
     /// How light is propagated.
     #[serde(default, skip_serializing_if = "is_default")]
     pub propagation: Propagation,
+    /// A mesh with its lights; none, injectors and occluders alone. Both may be given: light adds, and an occluder
+    /// counts before the mesh.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scene: Option<MeshScene>,
 }
 
 impl Default for Preset {
@@ -62,6 +67,7 @@ impl Default for Preset {
             occluders: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation::default(),
+            scene: None,
         }
     }
 }
@@ -95,6 +101,11 @@ impl Preset {
         Ok(write_whole(path, self.to_ron().as_bytes())?)
     }
 
+    /// How often a whole run propagates ([`Propagation::actions`]).
+    pub fn actions(&self) -> usize {
+        self.propagation.actions(self.size, self.coarsest)
+    }
+
     /// Whether every value is one that can be run; [`Preset::parse`] applies the same rules.
     pub fn check(&self) -> Result<(), Fault> {
         if self.version != VERSION {
@@ -113,7 +124,8 @@ impl Preset {
             occluder.check(self.size).map_err(|p| p.within(Step::Item(i)).field("occluders"))?;
         }
         self.occlusion.check().map_err(|p| p.field("occlusion"))?;
-        self.propagation.check().map_err(|p| p.field("propagation"))
+        self.propagation.check().map_err(|p| p.field("propagation"))?;
+        self.scene.iter().try_for_each(|scene| scene.check(self.size)).map_err(|p| p.field("scene"))
     }
 }
 

@@ -1,5 +1,6 @@
 //! What a preset says of how light is propagated.
 
+pub mod descent;
 pub mod ordinates;
 
 use std::fmt;
@@ -8,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::{Fault, Step};
 use super::value::not_negative;
+use descent::{Descent, Inside};
 use ordinates::{MOST_DIRECTIONS, Setting};
 
 /// The most iterations of one run.
@@ -29,6 +31,13 @@ pub struct Propagation {
     pub clamp: bool,
     /// How the operator follows from the level of the octree; `Same`.
     pub levels: Policy,
+    /// Whether the coarse levels start the fine ones; `Off`. If they do, `iterations` are those of every level, and
+    /// `levels` does not matter.
+    #[serde(skip_serializing_if = "is_default")]
+    pub descent: Descent,
+    /// How a descent shows the light of coarse cells in the finest; `Exponential`.
+    #[serde(skip_serializing_if = "is_default")]
+    pub inside: Inside,
     /// The directions of the propagator `ordinates`; the others have none.
     #[serde(skip_serializing_if = "is_default")]
     pub ordinates: Setting,
@@ -54,17 +63,21 @@ pub enum Policy {
     Same,
     /// Each level's operator keeps the light that stays in its larger cells; see `transport::lattice::levels`.
     Consistent,
+    /// Each level takes finest steps, by an operator that treats light exactly which depends on one coordinate alone;
+    /// see `transport::lattice::exact`.
+    Exact,
 }
 
 impl Policy {
-    /// Both policies, the default first.
-    pub const ALL: [Policy; 2] = [Policy::Same, Policy::Consistent];
+    /// All policies, the default first.
+    pub const ALL: [Policy; 3] = [Policy::Same, Policy::Consistent, Policy::Exact];
 
     /// Its name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Policy::Same => "same",
             Policy::Consistent => "consistent",
+            Policy::Exact => "exact",
         }
     }
 }
@@ -84,18 +97,30 @@ impl Default for Propagation {
             snapshots: Snapshots::Thesis,
             clamp: true,
             levels: Policy::Same,
+            descent: Descent::Off,
+            inside: Inside::Exponential,
             ordinates: Setting::default(),
         }
     }
 }
 
 impl Propagation {
+    /// How often a whole run propagates an octree from side `size` down to side `coarsest`: as often as `iterations`
+    /// says, and in a descent so often on every level.
+    pub fn actions(&self, size: usize, coarsest: usize) -> usize {
+        match self.descent {
+            Descent::Off => self.iterations,
+            _ => self.iterations * (1 + (size / coarsest.max(1)).max(1).ilog2() as usize),
+        }
+    }
+
     pub(super) fn check(&self) -> Result<(), Fault> {
         not_negative(self.factor, "the factor").map_err(|p| p.field("factor"))?;
         if self.iterations > MOST_ITERATIONS {
             let what = format!("{} iterations are too many", self.iterations);
             return Err(Fault::new(what, format!("at most {MOST_ITERATIONS} are run")).field("iterations"));
         }
+        self.descent.check().map_err(|p| p.within(Step::Field("descent")))?;
         let directions = self.ordinates.directions;
         if !(1..=MOST_DIRECTIONS).contains(&directions) {
             let fault =

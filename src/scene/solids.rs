@@ -1,10 +1,12 @@
-//! From the cells that occluders fill to a scene's blockers: where occluders overlap the later one counts,
-//! cells of opacity 0 are cleared, and missing normals come from the gradient of the occupied cells.
+//! The solid cells of a scene: what occluders fill, over what a mesh's surface passes through. Where occluders
+//! overlap the later one counts, and any counts before the mesh; cells of opacity 0 are cleared, and missing normals
+//! come from the gradient of the occupied cells.
 
 use glam::DVec3;
 
 use super::occluder::Filled;
 use crate::field::Cell;
+use crate::sh::Sh;
 
 /// An occupied cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,16 +14,47 @@ pub struct Solid {
     /// The cell.
     pub cell: Cell,
     /// The surface's unit normal. Zero where none was given and the surroundings have none, such as inside
-    /// a solid or in a wall one cell thick: [`Sh::lobe`] of it then blocks alike from all sides.
+    /// a solid or in a wall one cell thick, and where surfaces of a mesh turn their backs to each other.
     pub normal: DVec3,
-    /// How much of the cell is blocked, above 0 and up to 1.
-    pub opacity: f64,
+    /// How much of the cell is blocked for light along x, y and z, each 0 to 1. A cell that an occluder fills blocks
+    /// alike on all axes, a mesh's floor only what falls.
+    pub opacity: [f64; 3],
     /// The share of red, green and blue light that is sent back, each 0 to 1.
     pub albedo: [f64; 3],
+    /// What fuzzy occlusion takes it to be: a lobe about the normal, scaled by the opacity; of a mesh the sum of such
+    /// lobes over its surface in the cell.
+    pub blocker: Sh<f64>,
 }
 
-/// The blockers of a volume of side `size`, z slowest, x fastest; `filled` is in the occluders' order.
-pub(super) fn resolve(mut filled: Vec<Filled>, size: usize) -> Vec<Solid> {
+impl Solid {
+    /// A cell that blocks alike on all axes; `opacity` is above 0 and up to 1. Where the normal is zero the blocker,
+    /// [`Sh::lobe`] of it, blocks alike from all sides.
+    pub fn new(cell: Cell, normal: DVec3, opacity: f64, albedo: [f64; 3]) -> Self {
+        Solid { cell, normal, opacity: [opacity; 3], albedo, blocker: Sh::lobe(normal) * opacity }
+    }
+
+    /// The most that it blocks along any axis, above 0 and up to 1.
+    pub fn most_opaque(&self) -> f64 {
+        self.opacity.into_iter().fold(0.0, f64::max)
+    }
+}
+
+/// The cells that occluders fill, over those of a mesh; both z slowest, x fastest. An occluder of opacity 0 clears
+/// the mesh's cells too.
+pub(super) fn over(mesh: Vec<Solid>, filled: Vec<Filled>, size: usize) -> Vec<Solid> {
+    if mesh.is_empty() || filled.is_empty() {
+        return if filled.is_empty() { mesh } else { resolve(filled, size) };
+    }
+    let order = |cell: &Cell| (cell[2], cell[1], cell[0]);
+    let touched: std::collections::HashSet<Cell> = filled.iter().map(|f| f.cell).collect();
+    let mut solids: Vec<Solid> = mesh.into_iter().filter(|solid| !touched.contains(&solid.cell)).collect();
+    solids.extend(resolve(filled, size));
+    solids.sort_by_key(|solid| order(&solid.cell));
+    solids
+}
+
+/// The solids of a volume of side `size`, z slowest, x fastest; `filled` is in the occluders' order.
+fn resolve(mut filled: Vec<Filled>, size: usize) -> Vec<Solid> {
     // The sort is stable: one cell's entries stay in the occluders' order.
     filled.sort_by_key(|f| (f.cell[2], f.cell[1], f.cell[0]));
     filled.dedup_by(|later, kept| {
@@ -33,13 +66,8 @@ pub(super) fn resolve(mut filled: Vec<Filled>, size: usize) -> Vec<Solid> {
     });
     filled.retain(|f| f.opacity > 0.0);
     let occupied = Occupied::new(&filled, size);
-    let block = |f: &Filled| Solid {
-        cell: f.cell,
-        normal: f.normal.unwrap_or_else(|| occupied.normal(f.cell)),
-        opacity: f.opacity,
-        albedo: f.albedo,
-    };
-    filled.iter().map(block).collect()
+    let normal = |f: &Filled| f.normal.unwrap_or_else(|| occupied.normal(f.cell));
+    filled.iter().map(|f| Solid::new(f.cell, normal(f), f.opacity, f.albedo)).collect()
 }
 
 /// Which cells are occupied, a bit each.
@@ -129,7 +157,15 @@ mod tests {
             vec![filled([1, 1, 1], 1.0), filled([0, 0, 0], 0.5), filled([1, 1, 1], 0.25), filled([0, 0, 0], 0.0)],
             2,
         );
-        let kept: Vec<(Cell, f64)> = solids.iter().map(|b| (b.cell, b.opacity)).collect();
+        let kept: Vec<(Cell, f64)> = solids.iter().map(|b| (b.cell, b.opacity[1])).collect();
         assert_eq!(kept, [([1, 1, 1], 0.25)]);
+    }
+
+    #[test]
+    fn occluders_stand_over_a_mesh_and_clear_it() {
+        let mesh = [[0, 0, 0], [1, 0, 0], [0, 1, 1]].map(|cell| Solid::new(cell, DVec3::X, 0.9, [0.1; 3])).to_vec();
+        let solids = over(mesh, vec![filled([1, 0, 0], 0.0), filled([0, 1, 1], 0.5), filled([1, 1, 0], 1.0)], 2);
+        let kept: Vec<(Cell, f64)> = solids.iter().map(|b| (b.cell, b.most_opaque())).collect();
+        assert_eq!(kept, [([0, 0, 0], 0.9), ([1, 1, 0], 1.0), ([0, 1, 1], 0.5)]);
     }
 }

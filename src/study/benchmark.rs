@@ -5,6 +5,8 @@
 //! machine does then meets all of them alike, and ratios from one run can be trusted where times cannot.
 
 pub mod aos;
+#[cfg(feature = "gpu")]
+pub mod card;
 mod dense;
 mod fading;
 mod pipeline;

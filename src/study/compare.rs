@@ -1,6 +1,6 @@
 //! Propagators side by side: the same scene under several schemes, and in numbers what each makes of it.
 //!
-//! What is said of the octree (errors, leak) is taken from the merged light, which is what people see. What
+//! What is said of the octree (errors, artefacts) is taken from the merged light, which is what people see. What
 //! is said of the scheme (energy left, centroid, reach, convergence) is taken from level 0, a uniform volume
 //! by itself. Light is measured by its c00, summed over red, green and blue.
 
@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 
 use crate::scene::Problem;
 use crate::simulation::{Action, Refusal, Simulation};
+use crate::study::artefacts::Artefacts;
 use crate::study::error::ErrorRow;
 use crate::study::expectation::{Expectation, References};
 use crate::study::light::{self, Brightness};
@@ -42,9 +43,8 @@ pub struct Finding {
     /// Light on an axis over light on a diagonal, equally far (7 and 6.93 cells) from an even point light
     /// in a free 32³ volume, after 32 iterations: 1 where the scheme has no preferred directions.
     pub anisotropy: f64,
-    /// The mean light of cells behind closed occluders over that of cells before them, in the merged light.
-    /// `None` where nothing is closed off from the light.
-    pub leak: Option<f64>,
+    /// What goes wrong with its light: leaks, light behind its own source, jumps between levels, negative light.
+    pub artefacts: Artefacts,
     /// The iteration from which on a snapshot holds less than 1 % of all light so far on level 0; `None` if
     /// that takes more than [`PATIENCE`] iterations.
     pub converged: Option<usize>,
@@ -88,17 +88,17 @@ pub fn run(
     simulation.act(Action::Merge);
     let Some(held) = expectation.of(&simulation, references) else { return Ok(None) };
     let (Some(error), Some(fit)) = (held.rows().first().copied(), held.best_fit()) else { return Ok(None) };
-    let merged = brightness.of_grids(&light::sampled(&simulation));
+    let artefacts = Artefacts::of(&simulation)?;
 
-    let energy_left = ratio(energies[iterations], energies[0]);
+    let (energy_left, side) = (light::energy_left(&simulation), simulation.sizes().finest());
     let mut converged = converged(&energies);
     while converged.is_none() && energies.len() <= PATIENCE {
         simulation.act(Action::Propagate);
         energies.push(finest(&simulation).iter().sum());
         converged = self::converged(&energies);
     }
-    let centroid = places.centroid(&moved);
-    let start = places.centroid(&injected);
+    let centroid = light::centroid(side, &moved);
+    let start = light::centroid(side, &injected);
     Ok(Some(Finding {
         scheme: scheme.to_owned(),
         error,
@@ -108,7 +108,7 @@ pub fn run(
         shift: centroid.iter().zip(start).map(|(c, s)| (c - s).powi(2)).sum::<f64>().sqrt(),
         reach: places.reach(&moved, 0.9),
         anisotropy,
-        leak: places.leak(&merged),
+        artefacts,
         converged,
         iteration_time: median(times),
     }))
@@ -126,9 +126,4 @@ fn converged(energies: &[f64]) -> Option<usize> {
 fn median(mut times: Vec<Duration>) -> Duration {
     times.sort();
     times.get(times.len() / 2).copied().unwrap_or_default()
-}
-
-/// `a` over `b`, 0 where both are.
-fn ratio(a: f64, b: f64) -> f64 {
-    if a == 0.0 { 0.0 } else { a / b }
 }

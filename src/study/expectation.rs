@@ -1,6 +1,6 @@
 //! What light is held against: the one list of it.
 //!
-//! An expectation says what the light of a cell ought to be. Errors ([`super::error`]) are what is found minus
+//! An expectation says what the light of a cell ought to be. Errors ([`error`]) are what is found minus
 //! that. Whoever shows, lists or writes an error asks here for its name, for what has to be computed first, for
 //! whether levels are told apart, for the value of a cell and for the rows of a state:
 //!
@@ -19,6 +19,7 @@
 //! A new expectation is a variant here, its light in [`held`], and, where it needs more than the run itself, a
 //! field of [`References`].
 
+pub mod error;
 pub mod held;
 
 use std::fmt;
@@ -26,11 +27,11 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::error::ErrorRow;
 use crate::scene::Problem;
 use crate::sh::Real;
 use crate::simulation::Simulation;
 use crate::transport::ballistic::Ballistic;
+use error::ErrorRow;
 pub use held::Held;
 
 /// What light is held against.
@@ -50,6 +51,14 @@ pub enum Expectation {
 
 impl Expectation {
     /// All there are, in the order in which they are listed.
+    ///
+    /// ```
+    /// use lpv_lab::study::expectation::Expectation;
+    ///
+    /// let with_levels: Vec<&str> =
+    ///     Expectation::ALL.into_iter().filter(|one| one.has_levels()).map(Expectation::name).collect();
+    /// assert_eq!(with_levels, ["thesis", "corrected"]);
+    /// ```
     pub const ALL: [Expectation; 4] =
         [Expectation::Thesis, Expectation::Corrected, Expectation::Merged, Expectation::Ballistic];
 
@@ -126,6 +135,25 @@ impl Expectation {
     }
 
     /// The errors of a state, as [`Held::rows`] has them; none while the references lack what that needs.
+    ///
+    /// ```
+    /// use lpv_lab::scene::Problem;
+    /// use lpv_lab::simulation::Simulation;
+    /// use lpv_lab::study::expectation::{Expectation, References};
+    /// use lpv_lab::transport::preset;
+    ///
+    /// let text = "(version: 1, size: 8, injectors: [(kind: Single(cell: (4, 4, 4)))])";
+    /// let problem = Problem::build(&preset::parse(text, "lobe.ron".as_ref())?, "".as_ref())?;
+    /// let mut simulation = Simulation::<f32>::new(problem)?;
+    /// simulation.run(|_| true);
+    ///
+    /// let mut references = References::default();
+    /// assert!(Expectation::Ballistic.rows(&simulation, &references).is_empty());
+    /// Expectation::Ballistic.prepare(simulation.problem(), &mut references, &|_| true);
+    /// // No scheme of the lattice comes near to light that goes straight.
+    /// assert!(Expectation::Ballistic.rows(&simulation, &references)[0].l1_best_fit > Some(0.5));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn rows<T: Real>(self, state: &Simulation<T>, references: &References) -> Vec<ErrorRow> {
         self.of(state, references).map(|held| held.rows()).unwrap_or_default()
     }

@@ -25,6 +25,19 @@ pub struct BestFit {
 
 /// Σ‖O − R‖∞ / Σ‖R‖∞ over all cells, as it is and with O multiplied by the number that makes it least; both
 /// are 0 where all is dark. `scales` says how much each channel's norm counts.
+///
+/// ```
+/// use lpv_lab::field::Grid;
+/// use lpv_lab::sh::Sh;
+/// use lpv_lab::study::fit::l1;
+///
+/// let mut truth = Grid::<f32>::new(2);
+/// truth.set([1, 0, 1], Sh([2.0, 0.0, 1.0, 0.0]));
+/// let mut half = truth.clone();
+/// half.scale(0.5);
+/// let fit = l1(&[1.0], &[half], &[truth]);
+/// assert!((fit.raw - 0.5).abs() < 1e-6 && fit.fitted < 1e-6 && (fit.scale - 2.0).abs() < 1e-5);
+/// ```
 pub fn l1<T: Real, U: Real>(scales: &[f64], moved: &[impl Borrow<Grid<T>>], truth: &[impl Borrow<Grid<U>>]) -> BestFit {
     let cells = lit(scales, moved, truth);
     let channels = scales.len();

@@ -1,7 +1,7 @@
 //! The light of a state as studies look at it: sampled in the finest cells, without what was injected, as one
 //! number a cell.
 
-use crate::field::{Cell, Channels, Grid};
+use crate::field::{Cell, Channels, Grid, Layout};
 use crate::scene::propagation::Snapshots;
 use crate::sh::{Real, Sh};
 use crate::simulation::Simulation;
@@ -76,5 +76,59 @@ impl Brightness {
     pub fn sample<T: Real>(&self, state: &Simulation<T>, cell: Cell) -> f64 {
         let level = state.index().index(cell);
         self.of(|channel| state.lights()[channel].accumulated.level(level).get(cell.map(|c| c >> level)))
+    }
+}
+
+/// The mean place of the light of an n³ volume, in cells (x, y, z), `light` being one number a cell, x fastest; the
+/// middle of the volume where there is none.
+///
+/// ```
+/// use lpv_lab::study::light::centroid;
+///
+/// // A 2³ volume, all its light in the cells (0, 0, 0) and (1, 0, 0).
+/// assert_eq!(centroid(2, &[1.0, 3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]), [0.75, 0.0, 0.0]);
+/// ```
+pub fn centroid(n: usize, light: &[f64]) -> [f64; 3] {
+    let sum: f64 = light.iter().sum();
+    if sum == 0.0 {
+        return [(n as f64 - 1.0) / 2.0; 3];
+    }
+    let mut moment = [0.0; 3];
+    for (cell, light) in Layout::new(n).cells().zip(light) {
+        moment.iter_mut().zip(cell).for_each(|(m, c)| *m += light * c as f64);
+    }
+    moment.map(|m| m / sum)
+}
+
+/// The share of the injected light that is still under way: the brightness of the newest snapshot S_k over that of
+/// S_0, on the finest level. 1 where none is lost, 0 where none was injected.
+pub fn energy_left<T: Real>(state: &Simulation<T>) -> f64 {
+    let brightness = Brightness::new(state.channels());
+    let injected = state.problem().injected::<f64>(state.channels());
+    let sum = |energy: f64| Sh([energy, 0.0, 0.0, 0.0]);
+    let injected: f64 = brightness.of(|channel| sum(injected[channel].energy()));
+    let left: f64 = brightness.of(|channel| sum(state.lights()[channel].source.level(0).energy()));
+    if left == 0.0 { 0.0 } else { left / injected }
+}
+
+/// The light of a cell in red, green and blue, from what its channels hold.
+pub fn in_colours<T: Real>(channels: &Channels, light: impl Fn(usize) -> Sh<T>) -> [Sh<f64>; 3] {
+    channels.rgb().map(|share| light(share.channel).widen() * share.scale)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_centroid_is_the_weighted_mean() {
+        let at = |cell: Cell| match cell {
+            [0, 2, 1] => 1.0,
+            [3, 2, 1] => 2.0,
+            _ => 0.0,
+        };
+        let light: Vec<f64> = Layout::new(4).cells().map(at).collect();
+        assert_eq!(centroid(4, &light), [2.0, 2.0, 1.0]);
+        assert_eq!(centroid(2, &[0.0; 8]), [0.5; 3]);
     }
 }

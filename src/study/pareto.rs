@@ -18,25 +18,13 @@ use super::expectation::Expectation;
 use super::fit::{BestFit, l1};
 use super::light::channel_scales;
 use super::reference;
-use crate::field::Grid;
 use crate::scene::Problem;
 use crate::scene::propagation::Policy;
 use crate::scene::propagation::ordinates::Setting;
-use crate::simulation::options::Wanted;
-use crate::simulation::{Light, Refusal};
+use crate::simulation::Refusal;
 use crate::transport::ballistic::Ballistic;
-use crate::transport::lattice::fixed_point;
 use crate::transport::lattice::schemes;
 use way::{Outcome, Start};
-
-/// Iterations that stand for the fixed point where none is solved for; fewer where light has died out.
-const FOR_EVER: usize = 400;
-/// Iterations after which that is looked at.
-const LOOK_AFTER: usize = 20;
-/// Light of the newest snapshot over all light, under which it has died out.
-const DIED_OUT: f64 = 1e-6;
-/// The relative residual of the reference.
-const REFERENCE_TOLERANCE: f64 = 1e-5;
 
 /// How a way gets at the light of the volume.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -100,6 +88,26 @@ pub struct Row {
 
 /// Of the ways on one scene and size against one reference those that no other beats in both time and error
 /// after the best scalar, the fastest first.
+///
+/// ```
+/// use lpv_lab::study::expectation::Expectation;
+/// use lpv_lab::study::fit::BestFit;
+/// use lpv_lab::study::pareto::{Propagator, Row, Treatment, front};
+///
+/// let row = |seconds: f64, error: f64| Row {
+///     preset: "mixed".to_owned(),
+///     propagator: Propagator { scheme: "cascaded", setting: None },
+///     treatment: Treatment::Uniform,
+///     size: 32,
+///     iterations: 4,
+///     seconds,
+///     expectation: Expectation::Merged,
+///     l1: BestFit { raw: error, fitted: error, scale: 1.0 },
+/// };
+/// let rows = [row(1.0, 0.5), row(2.0, 0.6), row(3.0, 0.1)];
+/// let best: Vec<f64> = front(&rows.each_ref()).iter().map(|row| row.seconds).collect();
+/// assert_eq!(best, [1.0, 3.0]);
+/// ```
 pub fn front<'a>(rows: &[&'a Row]) -> Vec<&'a Row> {
     let mut sorted = rows.to_vec();
     sorted.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
@@ -146,7 +154,7 @@ pub fn measure_against(
     let start = Start::new(problem)?;
     let mut fixed_points = Vec::new();
     for name in schemes::names() {
-        fixed_points.push((name, fixed_point(&way::with(problem, name, Treatment::Uniform, FOR_EVER))?));
+        fixed_points.push((name, reference::fixed_point(&way::with(problem, name, Treatment::Uniform, 0))?));
         if !go_on() {
             return Ok(None);
         }
@@ -186,30 +194,12 @@ pub fn measure_against(
             l1,
         };
         let fixed_point = fixed_points.iter().find(|(name, _)| *name == way.propagator().scheme);
-        if let (Some(all), Some((_, uniform))) = (&outcome.all, fixed_point) {
+        if let (Some(all), Some((_, Some(uniform)))) = (&outcome.all, fixed_point) {
             rows.push(row(Expectation::Merged, l1(&scales, all, uniform)));
         }
         rows.push(row(Expectation::Ballistic, l1(&scales, &outcome.moved, truth.light())));
     }
     Ok(Some(rows))
-}
-
-/// The fixed point of the uniform volume, solved for or iterated.
-fn fixed_point(problem: &Problem) -> Result<Vec<Grid<f32>>, Refusal> {
-    if let Ok(Some(found)) = fixed_point::solve(problem, REFERENCE_TOLERANCE, |_| true) {
-        return Ok(found.light);
-    }
-    let mut simulation = reference::injected::<f32>(problem)?;
-    let energy = |of: &Grid<f32>| of.energy().abs();
-    while simulation.iteration() < problem.propagation.iterations && simulation.divergence().is_none() {
-        simulation.advance(LOOK_AFTER, Wanted::Everything);
-        let died_out =
-            |light: &Light<f32>| energy(light.source.level(0)) <= DIED_OUT * energy(light.accumulated.level(0));
-        if simulation.lights().iter().all(died_out) {
-            break;
-        }
-    }
-    Ok(reference::uniform(&simulation))
 }
 
 #[cfg(test)]
@@ -244,7 +234,7 @@ mod tests {
         let [_, _, (_, mut problem)] = made::scenes(8, 3.0);
         problem.sources[0].color = [1.0, 0.5, 0.0];
         problem.occlusion.mode = OcclusionMode::Hard;
-        problem.solids = vec![Solid { cell: [6, 4, 4], normal: DVec3::NEG_X, opacity: 1.0, albedo: [0.5, 0.0, 0.0] }];
+        problem.solids = vec![Solid::new([6, 4, 4], DVec3::NEG_X, 1.0, [0.5, 0.0, 0.0])];
         let rows = measure("walled", &problem, 1, &|share| (0.0..=1.0).contains(&share)).unwrap().unwrap();
         // The solver refuses occluders, the ordinates do not.
         assert!(rows.iter().all(|row| row.treatment != Treatment::Converged && row.preset == "walled"));

@@ -3,23 +3,84 @@
 //! - A *uniform* volume is one level of the finest size, propagated on its own. Every level of an octree
 //!   is propagated by itself, so the octree's own finest level is that volume: after the same number of
 //!   iterations it costs nothing more ([`uniform`]).
-//! - Its fixed point is what it holds after all iterations there could be: [`crate::transport::lattice::fixed_point`].
-//! - The *ballistic* reference is not a propagator at all: [`super::ballistic`].
+//! - Its *fixed point* is what it holds after all iterations there could be ([`fixed_point()`]).
+//! - The *ballistic* reference is not a propagator at all: [`crate::transport::ballistic`].
 
 use crate::field::Grid;
 use crate::scene::Problem;
+use crate::scene::propagation::descent::Descent;
+use crate::scene::propagation::{Policy, Propagation, Snapshots};
 use crate::sh::Real;
-use crate::simulation::{Action, Refusal, Simulation};
+use crate::simulation::options::Wanted;
+use crate::simulation::{Action, Light, Refusal, Simulation};
+use crate::transport::kind::Precision;
+use crate::transport::lattice::fixed_point;
 
-/// Each channel's accumulated light in the uniform volume of the same size, scheme and iterations.
+/// The relative residual to which the fixed point is solved for.
+const TOLERANCE: f64 = 1e-5;
+/// Iterations that stand for the fixed point where none is solved for; fewer where light has died out.
+const FOR_EVER: usize = 400;
+/// Iterations after which that is looked at.
+const LOOK_AFTER: usize = 20;
+/// Light of the newest snapshot over all light, under which it has died out.
+const DIED_OUT: f64 = 1e-6;
+
+/// Each channel's accumulated light in the uniform volume of the same size and scheme: after as many iterations, or, as
+/// a descent has no uniform volume beside it, after all there could be.
 pub fn uniform<T: Real>(simulation: &Simulation<T>) -> Vec<Grid<T>> {
-    simulation.lights().iter().map(|light| light.accumulated.level(0).clone()).collect()
+    let own = || simulation.lights().iter().map(|light| light.accumulated.level(0).clone()).collect();
+    if simulation.problem().propagation.descent == Descent::Off {
+        return own();
+    }
+    match fixed_point::solve(&finest(simulation.problem()), TOLERANCE, |_| true) {
+        Ok(Some(found)) => found.light.iter().map(cast).collect(),
+        // Light that grows for ever has no fixed point.
+        _ => own(),
+    }
+}
+
+fn cast<T: Real>(light: &Grid<f32>) -> Grid<T> {
+    let mut grid = Grid::new(light.side());
+    for (to, from) in grid.planes_mut().into_iter().zip(light.planes()) {
+        to.iter_mut().zip(from).for_each(|(to, from)| *to = T::of(f64::from(*from)));
+    }
+    grid
+}
+
+/// The finest level of a problem alone, propagated as ever.
+fn finest(problem: &Problem) -> Problem {
+    let propagation = Propagation { descent: Descent::Off, levels: Policy::Same, ..problem.propagation.clone() };
+    Problem { coarsest: problem.size, propagation, ..problem.clone() }
 }
 
 /// A simulation of the finest level alone, with the scene's light injected and nothing propagated yet.
-pub fn injected<T: Real>(problem: &Problem) -> Result<Simulation<T>, Refusal> {
-    let mut simulation = Simulation::new(Problem { coarsest: problem.size, ..problem.clone() })?;
+pub fn injected<T: Precision>(problem: &Problem) -> Result<Simulation<T>, Refusal> {
+    let mut simulation = Simulation::new(finest(problem))?;
     simulation.act(Action::Clear);
     simulation.act(Action::Inject);
     Ok(simulation)
+}
+
+/// Each channel's light in the fixed point of the uniform volume, everything summed: solved for, or iterated where
+/// the solver refuses. `None` where the light grows out of the range of numbers.
+pub fn fixed_point(problem: &Problem) -> Result<Option<Vec<Grid<f32>>>, Refusal> {
+    let propagation = Propagation { snapshots: Snapshots::Thesis, ..problem.propagation.clone() };
+    let problem = Problem { propagation, ..problem.clone() };
+    if let Ok(Some(found)) = fixed_point::solve(&problem, TOLERANCE, |_| true) {
+        return Ok(Some(found.light));
+    }
+    let mut simulation = injected::<f32>(&problem)?;
+    let energy = |of: &Grid<f32>| of.energy().abs();
+    while simulation.iteration() < FOR_EVER {
+        simulation.advance(LOOK_AFTER, Wanted::Everything);
+        if simulation.divergence().is_some() {
+            return Ok(None);
+        }
+        let died_out =
+            |light: &Light<f32>| energy(light.source.level(0)) <= DIED_OUT * energy(light.accumulated.level(0));
+        if simulation.lights().iter().all(died_out) {
+            break;
+        }
+    }
+    Ok(Some(uniform(&simulation)))
 }

@@ -1,9 +1,9 @@
 //! Light on a graphics card, with the bits of the processor's loops.
 
+pub mod card;
 pub mod device;
+pub mod export;
 pub mod layout;
+pub mod porting;
 pub mod text;
 pub mod volume;
-
-#[cfg(test)]
-mod tests;

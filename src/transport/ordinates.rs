@@ -17,56 +17,95 @@
 //! What it gets wrong: with few directions light arrives in rays, and beams widen as they cross cell
 //! borders, the donor rule's more than the face rule's.
 
+mod beams;
 pub mod directions;
+mod receive;
 pub mod shares;
 pub mod stepper;
 mod sweep;
 
 use glam::DVec3;
 
+use super::kind::{Capabilities, Kind, Law};
 use super::team;
 use super::transparency::Transparency;
 use crate::field::Grid;
+use crate::scene::Propagation;
 use crate::scene::propagation::ordinates::{Lattice, Rule, Setting};
+use crate::sh::Real;
+use beams::Beams;
 use directions::Direction;
 use shares::Shares;
 
-/// The name by which presets and the command line call light that is propagated so.
+/// The name of the one kind of transport that this is.
 pub const NAME: &str = "ordinates";
+
+/// Light that is propagated so, as the one kind of transport that it is.
+pub fn kinds() -> Vec<Kind> {
+    vec![Kind {
+        name: NAME,
+        summary: "light that keeps its direction, on the finest level",
+        source: "discrete ordinates, by the donor cell rule or by where a beam leaves a cell",
+        flaws: "with few directions light arrives in rays; beams widen as they cross cell borders; nothing is reflected",
+        can: Capabilities { levels: false, occluders: true, clamp: false, grows: false },
+        conserving: 4.0,
+        laws,
+        check: |_| Ok(()),
+        label,
+        bytes: beams::bytes,
+        single: Beams::made,
+        double: Some(Beams::made),
+        card: None,
+    }]
+}
+
+/// A spiral of directions has no symmetry of the cube.
+fn laws(propagation: &Propagation) -> Vec<Law> {
+    let mut laws = vec![Law::Superposition, Law::Reach, Law::Conservation, Law::Shutters, Law::Precision];
+    if propagation.ordinates.lattice == Lattice::Octahedral {
+        laws.push(Law::Symmetry);
+    }
+    laws
+}
+
+fn label(Propagation { scheme, ordinates: Setting { directions, rule, lattice }, .. }: &Propagation) -> String {
+    let count = directions::directions(*lattice, *directions).len();
+    format!("{scheme}-{}-{}-{count}", lattice.name(), rule.name())
+}
 
 /// Directions computed side by side.
 const LANES: usize = 8;
 /// A number for each of them.
-type Lanes = [f32; LANES];
+type Lanes<T> = [T; LANES];
 /// Pieces that a sweep is cut into, of two octants each: always the same, so that the sum is too.
 const PIECES: usize = 4;
 
 /// A set of directions made ready to run.
 #[derive(Clone, Debug)]
-pub struct Ordinates {
+pub struct Ordinates<T = f32> {
     rule: Rule,
     count: usize,
-    octants: Vec<Octant>,
+    octants: Vec<Octant<T>>,
 }
 
 /// The directions that share their signs, and so the order in which they meet cells.
 #[derive(Clone, Debug)]
-struct Octant {
+struct Octant<T> {
     /// For x, y and z, whether light travels towards smaller indices.
     backwards: [bool; 3],
-    groups: Vec<Group>,
+    groups: Vec<Group<T>>,
 }
 
 /// Eight directions of an octant; where there are fewer, the last lanes carry nothing.
 #[derive(Clone, Debug, Default)]
-struct Group {
-    way: [Lanes; 3],
-    weight: Lanes,
-    through: [[Lanes; 3]; 3],
-    start: [Lanes; 3],
+struct Group<T> {
+    way: [Lanes<T>; 3],
+    weight: Lanes<T>,
+    through: [[Lanes<T>; 3]; 3],
+    start: [Lanes<T>; 3],
 }
 
-impl Ordinates {
+impl<T: Real> Ordinates<T> {
     /// About `count` directions of a lattice, as [`Lattice::directions`] has it, with a rule for their shares.
     pub fn new(lattice: Lattice, count: usize, rule: Rule) -> Self {
         let set = directions::directions(lattice, count);
@@ -91,6 +130,11 @@ impl Ordinates {
         self.count
     }
 
+    /// How many numbers are kept for each face: directions, and lanes that carry none.
+    fn lanes(&self) -> usize {
+        self.octants.iter().map(|octant| LANES * octant.groups.len()).sum()
+    }
+
     /// The rule by which light is shared.
     pub fn rule(&self) -> Rule {
         self.rule
@@ -98,7 +142,7 @@ impl Ordinates {
 
     /// What arrives in each cell, Σ_j F_j·Y(u_j), once all injected light has gone all its way. A cell's own
     /// light is not in it.
-    pub fn solve(&self, injected: &Grid<f32>, occluders: Option<&Transparency>) -> Grid<f32> {
+    pub fn solve(&self, injected: &Grid<T>, occluders: Option<&Transparency>) -> Grid<T> {
         let mut arrived = Grid::new(injected.side());
         self.solve_in(&mut Room::new(injected.side()), injected, occluders, &mut arrived);
         arrived
@@ -107,10 +151,10 @@ impl Ordinates {
     /// [`Self::solve`] with memory that is there already; all grids are of one size.
     pub fn solve_in(
         &self,
-        room: &mut Room,
-        injected: &Grid<f32>,
+        room: &mut Room<T>,
+        injected: &Grid<T>,
         occluders: Option<&Transparency>,
-        arrived: &mut Grid<f32>,
+        arrived: &mut Grid<T>,
     ) {
         let lit = sweep::lit_rows(injected);
         let octants = self.octants.chunks(self.octants.len() / PIECES);
@@ -121,10 +165,10 @@ impl Ordinates {
             }
         });
         let planes = arrived.planes_mut().into_iter().enumerate();
-        team::share(planes.collect(), |(p, plane): (usize, &mut [f32])| {
-            plane.fill(0.0);
+        team::share(planes.collect(), |(p, plane): (usize, &mut [T])| {
+            plane.fill(T::ZERO);
             for piece in &room.pieces {
-                plane.iter_mut().zip(&piece.arrived.planes()[p]).for_each(|(sum, c)| *sum += c);
+                plane.iter_mut().zip(&piece.arrived.planes()[p]).for_each(|(sum, c)| *sum += *c);
             }
         });
     }
@@ -132,35 +176,35 @@ impl Ordinates {
 
 /// The memory of a sweep, to be used again.
 #[derive(Clone, Debug)]
-pub struct Room {
-    pieces: [Piece; PIECES],
+pub struct Room<T = f32> {
+    pieces: [Piece<T>; PIECES],
 }
 
 /// The memory of one piece of it.
 #[derive(Clone, Debug)]
-struct Piece {
-    under_way: Vec<Lanes>,
-    arrived: Grid<f32>,
+struct Piece<T> {
+    under_way: Vec<Lanes<T>>,
+    arrived: Grid<T>,
 }
 
-impl Room {
+impl<T: Real> Room<T> {
     /// Room for an n³ grid.
     pub fn new(n: usize) -> Self {
         Room { pieces: std::array::from_fn(|_| Piece { under_way: Vec::new(), arrived: Grid::new(n) }) }
     }
 }
 
-impl Group {
+impl<T: Real> Group<T> {
     fn new(directions: &[&Direction], rule: Rule) -> Self {
         let mut group = Group::default();
         for (lane, &&Direction { way, weight }) in directions.iter().enumerate() {
             let Shares { through, start } = Shares::new(rule, way);
-            group.weight[lane] = weight as f32;
+            group.weight[lane] = T::of(weight);
             for j in 0..3 {
-                group.way[j][lane] = DVec3::to_array(&way)[j] as f32;
-                group.start[j][lane] = start[j] as f32;
+                group.way[j][lane] = T::of(DVec3::to_array(&way)[j]);
+                group.start[j][lane] = T::of(start[j]);
                 for (to, from) in group.through.iter_mut().zip(&through) {
-                    to[j][lane] = from[j] as f32;
+                    to[j][lane] = T::of(from[j]);
                 }
             }
         }
@@ -194,7 +238,7 @@ mod tests {
             let light = Sh([0.9, 0.2, -0.3, 0.1]);
             let mut injected = Grid::new(8);
             injected.set([3, 4, 3], light.cast());
-            let arrived = Ordinates::new(lattice, count, rule).solve(&injected, None);
+            let arrived = Ordinates::<f32>::new(lattice, count, rule).solve(&injected, None);
             let sent = K0 * light.0[0] * SPHERE; // positive in every direction
             let near = [[2, 4, 3], [4, 4, 3], [3, 3, 3], [3, 5, 3], [3, 4, 2], [3, 4, 4]];
             let entered: f64 = near.iter().map(|cell| f64::from(arrived.get(*cell).0[0]) / K0).sum();
@@ -205,7 +249,7 @@ mod tests {
 
     #[test]
     fn an_octahedral_set_treats_all_sides_alike() {
-        let ordinates = Ordinates::new(Lattice::Octahedral, 72, Rule::Faces);
+        let ordinates = Ordinates::<f32>::new(Lattice::Octahedral, 72, Rule::Faces);
         let along_x = ordinates.solve(&lobe_in(8, [2, 4, 3], DVec3::X), None);
         let against_z = ordinates.solve(&lobe_in(8, [3, 4, 5], DVec3::NEG_Z), None);
         for (cell @ [x, y, z], light) in along_x.iter() {
@@ -218,13 +262,11 @@ mod tests {
 
     #[test]
     fn light_does_not_turn_back_nor_pass_a_closed_wall() {
-        let wall: Vec<Solid> = (0..64)
-            .map(|i| Solid { cell: [5, i % 8, i / 8], normal: DVec3::X, opacity: 1.0, albedo: [0.0; 3] })
-            .collect();
+        let wall: Vec<Solid> = (0..64).map(|i| Solid::new([5, i % 8, i / 8], DVec3::X, 1.0, [0.0; 3])).collect();
         let occluders = Transparency::new(8, &wall);
         for (lattice, count, rule) in KINDS {
             let arrived =
-                Ordinates::new(lattice, count, rule).solve(&lobe_in(8, [1, 4, 3], DVec3::X), occluders.as_ref());
+                Ordinates::<f32>::new(lattice, count, rule).solve(&lobe_in(8, [1, 4, 3], DVec3::X), occluders.as_ref());
             for (cell, light) in arrived.iter() {
                 assert!(cell[0] <= 5 || light.is_zero(), "{cell:?}: {light:?}");
                 assert!(light.0[0] >= 0.0);

@@ -1,10 +1,7 @@
 //! What cannot be run, and why.
 
+use super::lattice::exact::Grows;
 use super::lattice::levels::TooLarge;
-use super::lattice::scheme::Scheme;
-use super::lattice::schemes;
-use super::{names, ordinates};
-use crate::scene::Propagation;
 use crate::scene::error::nearest;
 use crate::system::memory;
 
@@ -29,9 +26,34 @@ pub enum Refusal {
         /// The side of the coarsest level.
         coarsest: usize,
     },
+    /// A factor that is too large for a descent.
+    #[error(transparent)]
+    Grows(#[from] Grows),
+    /// A setting that a descent, or exact levels, cannot be derived for.
+    #[error("{what} cannot have {setting}; {remedy}")]
+    Underived {
+        /// A descent, or exact levels.
+        what: &'static str,
+        /// What of the setting it is.
+        setting: String,
+        /// What would be right.
+        remedy: &'static str,
+    },
     /// A factor that is too large for the levels' policy.
     #[error(transparent)]
     TooLarge(#[from] TooLarge),
+    /// A precision that a transport is not computed in.
+    #[error("\"{name}\" is computed in single precision only; choose a propagator that has double precision too")]
+    Precision {
+        /// The transport.
+        name: &'static str,
+    },
+    /// Something that a graphics card does not do, or no card.
+    #[error("{what}")]
+    Device {
+        /// What cannot be done, and what can.
+        what: String,
+    },
     /// More light than the machine has memory for.
     #[error(
         "a volume of side {size} needs {} of memory and {} are free; the largest size that fits is {largest}",
@@ -49,18 +71,11 @@ pub enum Refusal {
     },
 }
 
-/// The scheme of a setting, `None` for [ordinates]; an error that names what there is for any other name.
-pub fn scheme_of(propagation: &Propagation) -> Result<Option<Scheme>, Refusal> {
-    if propagation.scheme == ordinates::NAME { Ok(None) } else { known_scheme(&propagation.scheme).map(Some) }
-}
-
-/// The scheme of that name, or an error that names those there are.
-pub fn known_scheme(name: &str) -> Result<Scheme, Refusal> {
-    schemes::find(name).ok_or_else(|| Refusal::UnknownScheme {
-        name: name.to_owned(),
-        nearest: nearest(name, &names()),
-        known: names().join(", "),
-    })
+impl Refusal {
+    /// There is nothing called `name`; `known` is what there is.
+    pub fn unknown(name: &str, known: &[&'static str]) -> Self {
+        Refusal::UnknownScheme { name: name.to_owned(), nearest: nearest(name, known), known: known.join(", ") }
+    }
 }
 
 /// Refuses light that the machine has no memory for, before any of it is allocated; `needed` tells the bytes for

@@ -7,7 +7,7 @@ use crate::scene::{Problem, Solid};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transparency {
     n: usize,
-    passes: Vec<f32>,
+    passes: Vec<[f32; 3]>,
 }
 
 impl Transparency {
@@ -16,22 +16,33 @@ impl Transparency {
         if problem.has_occluders() { Transparency::new(problem.size, &problem.solids) } else { None }
     }
 
-    /// What `blockers` let through: 1 − opacity each; `None` if there are none.
+    /// What `blockers` let through: 1 − opacity each, by axis; `None` if there are none.
     pub fn new(n: usize, solids: &[Solid]) -> Option<Self> {
         if solids.is_empty() {
             return None;
         }
-        let mut passes = vec![1.0; n.pow(3)];
+        let mut passes = vec![[1.0; 3]; n.pow(3)];
         for blocker in solids {
             let [x, y, z] = blocker.cell;
-            passes[(z * n + y) * n + x] = 1.0 - blocker.opacity as f32;
+            passes[(z * n + y) * n + x] = blocker.opacity.map(|opacity| 1.0 - opacity as f32);
         }
         Some(Transparency { n, passes })
     }
 
-    /// The share that passes a cell, 0 to 1.
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.passes.as_slice())
+    }
+
+    /// The shares that pass a cell of what enters it by its faces across x, y and z, each 0 to 1.
     #[inline]
-    pub fn at(&self, [x, y, z]: Cell) -> f32 {
+    pub fn at(&self, [x, y, z]: Cell) -> [f32; 3] {
         self.passes[(z * self.n + y) * self.n + x]
+    }
+
+    /// The least of them: for light whose way through the cell nobody follows.
+    #[inline]
+    pub fn least(&self, cell: Cell) -> f32 {
+        self.at(cell).into_iter().fold(1.0, f32::min)
     }
 }

@@ -13,6 +13,7 @@ mod palette;
 mod plots;
 mod recovery;
 mod settings;
+mod study;
 mod timeline;
 #[cfg(unix)]
 #[path = "../unprivileged/mod.rs"]

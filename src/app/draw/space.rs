@@ -37,8 +37,36 @@ impl Default for Eye {
     }
 }
 
+impl Eye {
+    /// Turns, moves and zooms as the pointer asks over a view in `rect`.
+    pub fn steer(&mut self, ui: &Ui, rect: Rect, response: &egui::Response) {
+        let eye = self;
+        if response.dragged_by(egui::PointerButton::Primary) && !ui.input(|input| input.modifiers.shift) {
+            let drag = response.drag_delta() * 0.01;
+            eye.yaw += drag.x;
+            eye.pitch = (eye.pitch + drag.y).clamp(-1.55, 1.55);
+        } else if response.dragged() {
+            eye.pan += response.drag_delta() / rect.width().min(rect.height());
+        }
+        if response.hovered() {
+            let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+            eye.zoom = (eye.zoom * pinch * (scroll * 0.004).exp()).clamp(0.3, 20.0);
+        }
+        if response.double_clicked() {
+            *eye = Eye::default();
+        }
+    }
+
+    /// A move on screen of a place in the volume, in finest cells: in the plane across the view through that place.
+    pub fn drag(&self, projection: &Projection, at: Vec3, moved: Vec2) -> Vec3 {
+        let (_, nearness) = projection.screen(projection.seen(at));
+        let seen = vec3(moved.x, -moved.y, 0.0) / (projection.scale * nearness);
+        projection.turn.transpose() * seen * projection.side
+    }
+}
+
 /// How places in the volume come on screen.
-struct Projection {
+pub struct Projection {
     turn: Mat3,
     centre: Pos2,
     scale: f32,
@@ -46,7 +74,8 @@ struct Projection {
 }
 
 impl Projection {
-    fn new(eye: &Eye, rect: Rect, side: usize) -> Self {
+    /// Of a volume of so many finest cells along a side, in `rect`.
+    pub fn new(eye: &Eye, rect: Rect, side: usize) -> Self {
         // y is up in the volume; the eye looks along −z of its own frame.
         let turn = Mat3::from_rotation_x(eye.pitch) * Mat3::from_rotation_y(eye.yaw);
         let extent = rect.width().min(rect.height());
@@ -54,17 +83,24 @@ impl Projection {
     }
 
     /// A place in finest cells, in the eye's frame: the volume's middle at 0, its side 1, z towards the eye.
-    fn seen(&self, at: Vec3) -> Vec3 {
+    pub fn seen(&self, at: Vec3) -> Vec3 {
         self.turn * ((at - Vec3::splat(self.side / 2.0)) / self.side)
     }
 
     /// A place in the eye's frame, on screen, with how much larger than in the middle things are there.
-    fn screen(&self, seen: Vec3) -> (Pos2, f32) {
+    pub fn screen(&self, seen: Vec3) -> (Pos2, f32) {
         let nearness = DISTANCE / (DISTANCE - seen.z).max(0.1);
         (self.centre + vec2(seen.x, -seen.y) * self.scale * nearness, nearness)
     }
 
-    fn at(&self, at: Vec3) -> Pos2 {
+    /// How much a surface at a place, in finest cells, faces the eye: the cosine of the angle to its normal.
+    pub fn facing(&self, at: Vec3, normal: Vec3) -> f32 {
+        let to_eye = vec3(0.0, 0.0, DISTANCE) - self.seen(at);
+        (self.turn * normal).dot(to_eye.normalize_or_zero())
+    }
+
+    /// A place in finest cells, on screen.
+    pub fn at(&self, at: Vec3) -> Pos2 {
         self.screen(self.seen(at)).0
     }
 }
@@ -113,7 +149,7 @@ impl Space {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "View: the light in space"));
-        self.steer(ui, rect, &response);
+        self.eye.steer(ui, rect, &response);
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 0.0, color(theme.ground));
         let key = Key { cloud: Arc::clone(cloud), eye: self.eye, lobes, rect, view: view.clone(), dark: theme.dark };
@@ -130,24 +166,6 @@ impl Space {
         marks.draw(&painter, &projection, theme);
         let clicked = response.interact_pointer_pos().filter(|_| response.clicked())?;
         picked(cloud, &projection, clicked)
-    }
-
-    fn steer(&mut self, ui: &Ui, rect: Rect, response: &egui::Response) {
-        let eye = &mut self.eye;
-        if response.dragged_by(egui::PointerButton::Primary) && !ui.input(|input| input.modifiers.shift) {
-            let drag = response.drag_delta() * 0.01;
-            eye.yaw += drag.x;
-            eye.pitch = (eye.pitch + drag.y).clamp(-1.55, 1.55);
-        } else if response.dragged() {
-            eye.pan += response.drag_delta() / rect.width().min(rect.height());
-        }
-        if response.hovered() {
-            let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
-            eye.zoom = (eye.zoom * pinch * (scroll * 0.004).exp()).clamp(0.3, 20.0);
-        }
-        if response.double_clicked() {
-            *eye = Eye::default();
-        }
     }
 }
 

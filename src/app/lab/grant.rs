@@ -12,6 +12,7 @@ use crate::app::panels::question::Answer;
 use crate::app::session::ask::{Ask, Asks, Next};
 use crate::app::session::command::Command;
 use crate::app::session::purpose::Purpose;
+use crate::app::session::view::Workspace;
 
 impl Lab {
     /// Grants all that was asked for, in order.
@@ -45,6 +46,7 @@ impl Lab {
             Ask::Choose(purpose) => self.dialog.ask(purpose, None),
             Ask::Leave(next) => self.ask_to_lose(next, ctx),
             Ask::Say(text) => session.say(text),
+            Ask::Port(port) => session.port = *port,
             Ask::Dismiss => session.notice = None,
             Ask::DismissGuide => session.guide = None,
             Ask::SeekTruth(true) => session.asides.truth.try_again(),
@@ -99,19 +101,25 @@ impl Lab {
             },
             Purpose::Injector(i) => self.session.injector_file(i, path),
             Purpose::Occluder(i) => self.session.occluder_file(i, path),
+            Purpose::Mesh => self.session.mesh_file(path),
+            Purpose::Dump => self.session.add_dump(path),
         }
     }
 
-    /// Takes what was dropped onto the window: a preset is opened, a file of cells becomes an injector.
+    /// Takes what was dropped onto the window: a preset is opened, a file of cells becomes an injector, a mesh the scene's.
     pub(super) fn drop_files(&mut self, ctx: &Context) {
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
         for file in dropped {
             let path = file.path();
             match path.extension().and_then(|ending| ending.to_str()) {
                 Some("ron") => self.ask_to_lose(Next::Open(path.to_path_buf()), ctx),
+                Some("csv" | "npy") if self.session.settings.workspace == Workspace::Study => {
+                    self.session.add_dump(path)
+                }
                 Some("csv" | "npy") => self.session.injector_file(self.session.document.preset.injectors.len(), path),
+                Some("obj" | "gltf" | "glb") => self.session.mesh_file(path),
                 _ => {
-                    let right = "drop a preset (.ron) or a file of cells (.csv, .npy)";
+                    let right = "drop a preset (.ron), a file of cells (.csv, .npy) or a mesh (.obj, .gltf, .glb)";
                     self.session.fail(format!("{}: {right}", path.display()));
                 }
             }

@@ -4,6 +4,7 @@
 mod aside;
 mod errand;
 
+use std::path::Path;
 use std::sync::Arc;
 
 use egui::Context;
@@ -13,11 +14,13 @@ pub use errand::Watch;
 
 use super::Session;
 use super::plots::Tab;
-use super::view::Stage;
+use super::port::{Answer, Question};
+use super::view::{Stage, Workspace};
 use crate::app::worker::Order;
 use crate::app::worker::rival::Rival;
 use crate::scene::{Problem, Propagation};
 use crate::study::expectation::Expectation;
+use crate::study::identify::files::Role;
 use crate::study::pareto::{self, Row};
 use crate::study::profile::Policies;
 use crate::study::stability::outlook::{self, Exceeded};
@@ -70,6 +73,8 @@ pub struct Asides {
     measurement: Option<(Very, usize)>,
     /// The level whose critical factor each propagator that is being edited exceeds.
     pub critical: Aside<Factors, Vec<Option<Exceeded>>>,
+    /// What is found out about a port.
+    pub port: Aside<Question, Arc<Answer>>,
     /// A line for a run that will not end well.
     outlook: Aside<(Very, Vec<Rival>), Option<String>>,
 }
@@ -83,6 +88,7 @@ impl Default for Asides {
             pareto: Aside::new("run time against error"),
             measurement: None,
             critical: Aside::new("critical factors"),
+            port: Aside::new("port"),
             outlook: Aside::new("outlook"),
         }
     }
@@ -95,6 +101,7 @@ impl Asides {
             || self.profiles.is_underway()
             || self.pareto.is_underway()
             || self.critical.is_underway()
+            || self.port.is_underway()
     }
 
     /// The level whose critical factor a propagator exceeds; 0 is the document's own, and rivals are counted from 1.
@@ -153,6 +160,7 @@ impl Session {
             self.seek_profiles(ctx),
             self.seek_pareto(ctx),
             self.seek_factors(ctx),
+            self.seek_port(ctx),
             self.seek_outlook(ctx),
         ];
         told.into_iter().filter_map(Result::err).for_each(|line| self.fail(line));
@@ -210,6 +218,48 @@ impl Session {
             }
         });
         begun.and(profiles.hear(ctx))
+    }
+
+    fn seek_port(&mut self, ctx: &Context) -> Result<(), String> {
+        let question = &self.port.question;
+        let port = &mut self.asides.port;
+        port.keep_only(|asked| asked == question);
+        if self.settings.workspace != Workspace::Study || !question.is_complete() {
+            return Ok(());
+        }
+        let begun = port.want(question, ctx, |_| {
+            let question = question.clone();
+            move |_: &errand::Watch| question.answer().map(Arc::new)
+        });
+        begun.and(port.hear(ctx))
+    }
+
+    /// What is found out about the port, once it is.
+    pub fn answer(&self) -> Option<&Arc<Answer>> {
+        self.asides.port.known(&self.port.question)
+    }
+
+    /// What the verdict on the port waits for, in words.
+    pub fn port_is_waiting_for(&self) -> &'static str {
+        let question = &self.port.question;
+        if self.asides.port.is_underway() {
+            "Looking at the dumps…"
+        } else if self.asides.port.is_given_up(question) {
+            "These dumps cannot be looked at."
+        } else if !question.is_complete() && !question.files.is_empty() {
+            "The grid after injection and the one after iteration 1 are needed."
+        } else {
+            ""
+        }
+    }
+
+    /// Takes a dump of a port.
+    pub fn add_dump(&mut self, path: &Path) {
+        let files = &mut self.port.question.files;
+        let role = Role::guess(path);
+        files.retain(|(_, other)| *other != role);
+        files.push((path.to_path_buf(), role));
+        files.sort_by_key(|(_, role)| *role);
     }
 
     fn seek_pareto(&mut self, ctx: &Context) -> Result<(), String> {

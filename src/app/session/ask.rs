@@ -8,6 +8,7 @@ use super::comparison::Comparison;
 use super::curves::Curves;
 use super::items::Item;
 use super::plots::Plots;
+use super::port::Port;
 use super::purpose::Purpose;
 use super::sight::SpaceLook;
 use super::view::View;
@@ -51,6 +52,8 @@ pub enum Ask {
     Leave(Next),
     /// Say this.
     Say(String),
+    /// The port that is looked at.
+    Port(Box<Port>),
     /// Dismiss what is said.
     Dismiss,
     /// Dismiss what to look for.

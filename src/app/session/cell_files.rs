@@ -1,10 +1,11 @@
-//! Files of cells that become part of the scene: chosen, or dropped onto the window.
+//! Files of cells and meshes that become part of the scene: chosen, or dropped onto the window.
 
 use std::path::{Path, PathBuf};
 
 use super::Session;
 use crate::scene::cell_file::{self, Column};
 use crate::scene::injector::{Injector, InjectorKind};
+use crate::scene::mesh_scene::MeshScene;
 use crate::scene::occluder::{Occluder, OccluderKind};
 
 /// An opaque black occluder.
@@ -36,6 +37,15 @@ impl Session {
         match occluders.get_mut(i) {
             Some(occluder) => occluder.kind = kind,
             None => occluders.push(opaque(kind)),
+        }
+    }
+
+    /// Makes a file the scene's mesh; lights and camera of the mesh before it stay.
+    pub fn mesh_file(&mut self, path: &Path) {
+        let Some(path) = self.beside_the_preset(path) else { return };
+        match &mut self.document.preset.scene {
+            Some(scene) => scene.mesh = path,
+            none => *none = Some(MeshScene::new(path)),
         }
     }
 

@@ -53,6 +53,7 @@ impl Course {
             let name = match policy {
                 Policy::Same => "merged, one factor for all levels",
                 Policy::Consistent => "merged, consistent levels",
+                Policy::Exact => "merged, exact levels",
             };
             curves.push((name, points(policies.merged(policy, line))));
         }

@@ -1,6 +1,7 @@
 //! What files are asked for.
 
 use super::command::Command;
+use crate::mesh::read::FORMATS;
 
 /// What a file is wanted for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +14,10 @@ pub enum Purpose {
     Injector(usize),
     /// The cells of the preset's occluder of this number, or of a new one.
     Occluder(usize),
+    /// The mesh of the scene.
+    Mesh,
+    /// A dump of a port.
+    Dump,
     /// Save what an export command says.
     Export(Command),
 }
@@ -25,6 +30,8 @@ impl Purpose {
             Purpose::SaveAs => "Save the preset as",
             Purpose::Injector(_) => "A file of light: CSV or .npy, beside the preset",
             Purpose::Occluder(_) => "A file of occupied cells: CSV, beside the preset",
+            Purpose::Mesh => "A mesh: .obj, .gltf or .glb, beside the preset",
+            Purpose::Dump => "A dump of a port's grid: .npy of shape (n, n, n, 4), or CSV",
             Purpose::Export(command) => command.explanation(),
         }
     }
@@ -33,7 +40,7 @@ impl Purpose {
     pub fn verb(self) -> &'static str {
         match self {
             Purpose::Open => "Open",
-            Purpose::Injector(_) | Purpose::Occluder(_) => "Use",
+            Purpose::Injector(_) | Purpose::Occluder(_) | Purpose::Mesh | Purpose::Dump => "Use",
             Purpose::SaveAs | Purpose::Export(_) => "Save to file",
         }
     }
@@ -53,6 +60,8 @@ impl Purpose {
         match self {
             Purpose::Open | Purpose::SaveAs => &["ron"],
             Purpose::Injector(_) => &["csv", "npy"],
+            Purpose::Mesh => &FORMATS,
+            Purpose::Dump => &["npy", "csv"],
             Purpose::Occluder(_) | Purpose::Export(Command::ExportCsv) => &["csv"],
             Purpose::Export(Command::ExportSvg) => &["svg"],
             Purpose::Export(Command::ExportPng | Command::ExportFilm | Command::ExportFrames) => &["png"],

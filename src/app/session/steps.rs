@@ -54,7 +54,7 @@ impl Session {
             Command::Propagate => self.next(),
             Command::Merge => self.act(Action::Merge),
             Command::RunAll => {
-                let iteration = self.document.preset.propagation.iterations;
+                let iteration = self.document.preset.actions();
                 self.load(Start::To { iteration, merge: true });
             }
             Command::Rerun => self.run_again(),
@@ -153,7 +153,7 @@ impl Session {
     /// Begins to play, from the start where the end is seen; or pauses.
     fn start_or_pause(&mut self) {
         let progress = &self.run.progress;
-        let ended = self.run.at.is_none() && progress.iteration >= self.document.preset.propagation.iterations;
+        let ended = self.run.at.is_none() && progress.iteration >= self.document.preset.actions();
         if self.run.is_playing() {
             self.run.playing = None;
             return;
@@ -180,7 +180,7 @@ impl Session {
         let (oldest, latest) = (progress.oldest, progress.iteration);
         match self.run.at {
             Some(k) => self.scrub(k + 1),
-            None if latest < self.document.preset.propagation.iterations => self.act(Action::Propagate),
+            None if latest < self.document.preset.actions() => self.act(Action::Propagate),
             None if self.settings.looping && oldest < latest => self.run.at = Some(oldest),
             None => {
                 self.run.playing = None;

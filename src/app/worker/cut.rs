@@ -49,7 +49,7 @@ fn cut(tracks: &mut [Track], references: &References, pane: Pane, look: &Look) -
     };
     let has_errors = other.is_none() && pane.light == Light::Accumulated && pane.state.of != Of::Truth;
     if let Some(other) = other {
-        subtract(&mut slice, &other);
+        slice.subtract(&other);
     }
     let held = if has_errors { look.against.of(state, references) } else { None };
     let errors =
@@ -126,21 +126,6 @@ pub fn slice(simulation: &Simulation<f32>, light: Light, layer: Layer, plane: Pl
             let grids: Vec<&Grid<f32>> = octrees.iter().map(|octree| octree.level(level)).collect();
             Slice::level(&grids, simulation.channels(), level, plane)
         }
-    }
-}
-
-/// Takes the light of `other` away, square by square, sampled at each square's lower left corner.
-fn subtract(slice: &mut Slice, other: &Slice) {
-    let mut light = vec![[Sh::ZERO; 3]; other.side * other.side];
-    for cell in &other.cells {
-        for row in cell.row..cell.row + cell.span {
-            let start = row * other.side + cell.column;
-            light[start..start + cell.span].fill(cell.light);
-        }
-    }
-    for cell in &mut slice.cells {
-        let taken = light.get(cell.row * other.side + cell.column).copied().unwrap_or_default();
-        cell.light = std::array::from_fn(|c| cell.light[c] - taken[c]);
     }
 }
 

@@ -14,6 +14,7 @@ use crate::app::worker::received::{self, Senders};
 use crate::app::worker::track::{self, Track};
 use crate::app::worker::{Load, News, Order, Progress, Start};
 use crate::scene::Problem;
+use crate::scene::stage::Cache;
 use crate::simulation::{Action, Change};
 use crate::study::expectation::{Expectation, References};
 use crate::transport::ballistic::Ballistic;
@@ -56,6 +57,8 @@ pub struct Desk {
     /// The metric that is seen.
     metric: Option<Expectation>,
     measured: Ledger,
+    /// What scenes with a mesh were made from: a light that moves makes nothing anew but its own map.
+    cache: Cache,
     peaks: Peaks,
     /// What the window knows the present run by.
     tag: u64,
@@ -88,6 +91,7 @@ impl Desk {
             references: References::default(),
             metric: None,
             measured: Ledger::default(),
+            cache: Cache::default(),
             peaks: Peaks::default(),
             tag: 0,
             branches: Branches::default(),
@@ -353,7 +357,8 @@ impl Desk {
     }
 
     fn tracks_of(&self, load: &Load) -> Result<Vec<Track>, String> {
-        let problem = Problem::build(&load.preset, &load.folder).map_err(|error| error.to_string())?;
+        let problem = Problem::build_with(&load.preset, &load.folder, &self.cache, &mut |_| {})
+            .map_err(|error| error.to_string())?;
         let others = load.others.iter().filter_map(|rival| rival.problem(&problem));
         let problems: Vec<Problem> = std::iter::once(problem.clone()).chain(others).collect();
         let budget = self.budget / problems.len();

@@ -10,7 +10,6 @@
 
 use std::sync::Arc;
 
-use crate::sh::Real;
 use crate::simulation::{Action, Simulation};
 
 /// The size from which states are large, in bytes, and how many iterations apart those are kept.
@@ -63,7 +62,7 @@ impl History {
     /// Takes note of a state; `fixed` where it cannot be computed again from the one before.
     pub fn keep(&mut self, state: &Simulation<f32>, fixed: bool) {
         self.truncate(state.iteration());
-        let bytes = bytes(state);
+        let bytes = state.bytes();
         if bytes > self.budget {
             // Not even one has room: a copy of it would only be in the way.
             self.kept.clear();
@@ -129,15 +128,6 @@ impl History {
     }
 }
 
-/// Bytes of memory that a simulation's light takes.
-pub fn bytes<T: Real>(simulation: &Simulation<T>) -> usize {
-    let of_light = simulation.lights().iter().map(|light| {
-        let merged = light.merged.as_ref().map_or(0, |grid| grid.bytes());
-        light.source.bytes() + light.target.bytes() + light.accumulated.bytes() + merged
-    });
-    of_light.sum::<usize>() + simulation.bytes_under_way() + simulation.index().bytes()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -155,14 +145,14 @@ mod tests {
     #[test]
     fn what_was_thinned_out_comes_back_to_the_last_bit() {
         let mut simulation = started();
-        let mut past = History::new(4 * bytes(&simulation));
+        let mut past = History::new(4 * simulation.bytes());
         let mut truth = Vec::new();
         for k in 0..12 {
             past.keep(&simulation, k == 0);
             truth.push(simulation.clone());
             simulation.act(Action::Propagate);
         }
-        assert!(past.bytes() <= 4 * bytes(&simulation));
+        assert!(past.bytes() <= 4 * simulation.bytes());
         assert!(past.states().count() < 12);
         assert_eq!(past.oldest(), Some(0));
         for (k, state) in truth.iter().enumerate() {
@@ -173,7 +163,7 @@ mod tests {
     #[test]
     fn a_state_that_cannot_be_computed_again_stays() {
         let mut simulation = started();
-        let mut past = History::new(4 * bytes(&simulation));
+        let mut past = History::new(4 * simulation.bytes());
         for k in 0..12 {
             if k == 5 {
                 simulation.act(Action::Inject);

@@ -65,6 +65,7 @@ pub fn describe(propagation: &Propagation) -> String {
     let levels = match propagation.levels {
         Policy::Same => "",
         Policy::Consistent => ", consistent",
+        Policy::Exact => ", exact",
     };
     format!("{}, p = {}{levels}{clamp}", propagation.scheme, propagation.factor)
 }

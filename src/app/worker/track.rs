@@ -1,6 +1,6 @@
 //! One propagator on its way through a scene: the simulation, its past and its errors.
 
-use crate::app::worker::history::{self, History};
+use crate::app::worker::history::History;
 use crate::scene::Problem;
 use crate::simulation::{Action, Change, Refusal, Simulation};
 use crate::study::error::ErrorRow;
@@ -90,7 +90,7 @@ impl Track {
 
     /// Bytes that the present takes.
     pub fn now_bytes(&self) -> usize {
-        history::bytes(&self.now)
+        self.now.bytes() + self.now.shared_bytes()
     }
 
     /// Changes the memory for the past, in bytes.

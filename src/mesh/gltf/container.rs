@@ -6,18 +6,18 @@
 use gltf::json::{Root, validation};
 use gltf::{Document, Semantic};
 
-use crate::mesh::error::MeshError;
 use crate::mesh::read::{Job, shortened};
+use crate::system::file::FileError;
 
 /// The document and its binary part.
-pub(super) fn open<'a>(bytes: &'a [u8], job: &Job) -> Result<(Document, Option<&'a [u8]>), MeshError> {
+pub(super) fn open<'a>(bytes: &'a [u8], job: &Job) -> Result<(Document, Option<&'a [u8]>), FileError> {
     let (text, binary) = if bytes.starts_with(b"glTF") { chunks(bytes, job)? } else { (bytes, None) };
     // Some editors begin a text with a byte order mark.
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
     let mut root = Root::from_slice(text).map_err(|error| {
         let fault = job.fault(format!("it is no glTF ({error})"), "give a glTF 2.0 file");
         if error.line() > 0 && !bytes.starts_with(b"glTF") {
-            MeshError { line: Some(error.line()), ..fault }
+            FileError { line: Some(error.line()), ..fault }
         } else {
             fault
         }
@@ -42,7 +42,7 @@ pub(super) fn open<'a>(bytes: &'a [u8], job: &Job) -> Result<(Document, Option<&
 }
 
 /// The JSON and the binary part of a `.glb`.
-fn chunks<'a>(bytes: &'a [u8], job: &Job) -> Result<(&'a [u8], Option<&'a [u8]>), MeshError> {
+fn chunks<'a>(bytes: &'a [u8], job: &Job) -> Result<(&'a [u8], Option<&'a [u8]>), FileError> {
     let number = |at: usize| {
         let four = bytes.get(at..at + 4).and_then(|four| four.try_into().ok());
         four.map(u32::from_le_bytes)
@@ -74,7 +74,7 @@ fn chunks<'a>(bytes: &'a [u8], job: &Job) -> Result<(&'a [u8], Option<&'a [u8]>)
 
 /// Sees to what the check of the document takes for granted: that positions name accessors that are there, and
 /// that these tell their bounds, which many programs leave out and nothing here needs.
-fn prepare(root: &mut Root, job: &Job) -> Result<(), MeshError> {
+fn prepare(root: &mut Root, job: &Job) -> Result<(), FileError> {
     let positions = validation::Checked::Valid(Semantic::Positions);
     let named: Vec<(usize, usize)> = root
         .meshes

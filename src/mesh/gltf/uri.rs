@@ -1,7 +1,7 @@
 //! Bytes that a glTF document names: in a file beside it, or written into it (`data:`, RFC 2397, base64).
 
-use crate::mesh::error::MeshError;
 use crate::mesh::read::Job;
+use crate::system::file::FileError;
 
 /// Whether the bytes stand in the document itself.
 pub(super) fn is_data(uri: &str) -> bool {
@@ -9,7 +9,7 @@ pub(super) fn is_data(uri: &str) -> bool {
 }
 
 /// The bytes that a document names, at most `limit` of them.
-pub(super) fn bytes(uri: &str, limit: u64, job: &Job) -> Result<Vec<u8>, MeshError> {
+pub(super) fn bytes(uri: &str, limit: u64, job: &Job) -> Result<Vec<u8>, FileError> {
     if !is_data(uri) {
         return job.needed(&decoded(uri), limit);
     }

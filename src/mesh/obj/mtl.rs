@@ -5,8 +5,8 @@ use std::path::Path;
 
 use super::{lines, numbers, text};
 use crate::mesh::Material;
-use crate::mesh::error::MeshError;
-use crate::mesh::read::shortened;
+use crate::mesh::read::{at_line, shortened};
+use crate::system::file::FileError;
 
 /// The longest library, in bytes.
 pub(super) const LONGEST: u64 = 16 << 20;
@@ -21,7 +21,7 @@ pub(super) struct Made {
 }
 
 /// The materials of a library in the file `path`.
-pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Vec<Made>, MeshError> {
+pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Vec<Made>, FileError> {
     let mut made: Vec<Made> = Vec::new();
     for (i, line) in lines(bytes).enumerate() {
         let Some(line) = text(line) else { continue };
@@ -37,7 +37,7 @@ pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Vec<Made>, MeshError> {
             Some(parts) if parts.iter().all(|part| (0.0..=most).contains(part)) => Ok(parts.map(f64::from)),
             _ => {
                 let what = format!("`{}` is no colour", shortened(line));
-                Err(MeshError::line(path, i + 1, what, format!("write {word} and three numbers from 0 to {most:e}")))
+                Err(at_line(path, i + 1, what, format!("write {word} and three numbers from 0 to {most:e}")))
             }
         };
         match word {

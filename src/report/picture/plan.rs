@@ -1,7 +1,7 @@
 //! Where the parts of a picture stand: panels in rows, with lines of text above and below them.
 
-use super::super::legend::{LEADING, Legend};
 use super::super::svg::wrapped;
+use super::legend::{LEADING, Legend};
 use super::{Picture, Seen};
 
 /// Around a picture, in heights of text.

@@ -16,10 +16,15 @@ pub(super) fn anisotropy(propagation: &Propagation) -> Result<f64, Refusal> {
     let problem = Problem {
         size: SIDE,
         coarsest: SIDE,
-        sources: vec![Source { color: [1.0; 3], light: vec![([middle; 3], Sh([1.0, 0.0, 0.0, 0.0]))] }],
+        sources: vec![Source {
+            color: [1.0; 3],
+            light: vec![([middle; 3], Sh([1.0, 0.0, 0.0, 0.0]))],
+            ..Source::default()
+        }],
         solids: Vec::new(),
         occlusion: Occlusion::default(),
         propagation: Propagation { iterations: ITERATIONS, ..propagation.clone() },
+        ..Problem::default()
     };
     let mut simulation = Simulation::<f32>::new(problem)?;
     simulation.run(|_| true);

@@ -1,12 +1,13 @@
 //! The light of one state beside what it ought to be: cell by cell, as rows, and after the best scalar.
 
+use super::error::{CellError, ErrorRow, Tally};
 use super::{Expectation, References};
 use crate::field::{Cell, Grid, Layout, downsample_into, mean_of_children};
+use crate::scene::propagation::descent::Descent;
 use crate::sh::{Real, Sh};
 use crate::simulation::Simulation;
-use crate::study::error::{CellError, ErrorRow, Tally};
 use crate::study::fit::{BestFit, l1};
-use crate::study::light;
+use crate::study::{light, reference};
 use crate::transport::ballistic::Ballistic;
 
 /// A state under one expectation.
@@ -16,6 +17,8 @@ pub struct Held<'a, T> {
     state: &'a Simulation<T>,
     /// How much each channel's norm counts: its largest multiple among the three colours.
     scales: Vec<f64>,
+    /// The uniform volume of each channel, where the state's finest level is not that volume.
+    uniform: Option<Vec<Grid<T>>>,
     compared: Compared<'a, T>,
 }
 
@@ -40,7 +43,17 @@ impl<'a, T: Real> Held<'a, T> {
             Expectation::Merged => Compared::Merged(light::sampled(state)),
             Expectation::Ballistic => Compared::Moved(light::moved(state), references.ballistic.as_deref()?),
         };
-        Some(Held { expectation, state, scales: light::channel_scales(state.channels()), compared })
+        // The finest level of a descent has been started by coarser ones.
+        let descends = state.problem().propagation.descent != Descent::Off;
+        let against_uniform = matches!(expectation, Expectation::Corrected | Expectation::Merged);
+        let uniform = (descends && against_uniform).then(|| reference::uniform(state));
+        Some(Held { expectation, state, scales: light::channel_scales(state.channels()), uniform, compared })
+    }
+
+    /// The uniform volume.
+    fn uniform(&self, channel: usize) -> &Grid<T> {
+        let found = self.uniform.as_ref().and_then(|uniform| uniform.get(channel));
+        found.unwrap_or(self.state.lights()[channel].accumulated.level(0))
     }
 
     /// The errors: of all levels together first, then, where levels are told apart, of each from 1 on.
@@ -61,7 +74,7 @@ impl<'a, T: Real> Held<'a, T> {
                 let mut expected: Vec<Grid<T>> = Vec::new();
                 let tallies = levels.map(|level| {
                     let side = self.state.sizes().side(level);
-                    let finer = |channel: usize| expected.get(channel).unwrap_or(lights[channel].accumulated.level(0));
+                    let finer = |channel: usize| expected.get(channel).unwrap_or(self.uniform(channel));
                     let coarser = (0..lights.len()).map(|channel| {
                         let mut coarser = Grid::new(side);
                         downsample_into(finer(channel), &mut coarser);
@@ -75,9 +88,8 @@ impl<'a, T: Real> Held<'a, T> {
                 self.of_levels(&tallies.collect::<Vec<_>>())
             }
             Compared::Merged(merged) => {
-                let uniform = |channel: usize| self.state.lights()[channel].accumulated.level(0);
                 let tally = self.tally(self.state.sizes().finest(), |channel, cell| {
-                    (merged[channel].get(cell), uniform(channel).get(cell))
+                    (merged[channel].get(cell), self.uniform(channel).get(cell))
                 });
                 vec![self.row(&tally, None)]
             }
@@ -96,8 +108,7 @@ impl<'a, T: Real> Held<'a, T> {
         match &self.compared {
             Compared::Children | Compared::Levels => None,
             Compared::Merged(merged) => {
-                let uniform: Vec<&Grid<T>> =
-                    self.state.lights().iter().map(|light| light.accumulated.level(0)).collect();
+                let uniform: Vec<&Grid<T>> = (0..merged.len()).map(|channel| self.uniform(channel)).collect();
                 Some(l1(&self.scales, merged, &uniform))
             }
             Compared::Moved(moved, truth) => Some(l1(&self.scales, moved, truth.light())),
@@ -128,9 +139,11 @@ impl<'a, T: Real> Held<'a, T> {
             Compared::Children => {
                 [octree.level(level).get(cell).widen(), mean_of_children(octree.level(level - 1), cell).widen()]
             }
-            Compared::Levels => [octree.level(level).get(cell).widen(), mean_within(octree.level(0), level, cell)],
+            Compared::Levels => {
+                [octree.level(level).get(cell).widen(), mean_within(self.uniform(channel), level, cell)]
+            }
             Compared::Merged(merged) => {
-                [mean_within(&merged[channel], level, cell), mean_within(octree.level(0), level, cell)]
+                [mean_within(&merged[channel], level, cell), mean_within(self.uniform(channel), level, cell)]
             }
             Compared::Moved(moved, truth) => {
                 [mean_within(&moved[channel], level, cell), mean_within(&truth.light()[channel], level, cell)]
@@ -185,7 +198,8 @@ mod tests {
     use crate::simulation::Action;
 
     fn run(coarsest: usize) -> Simulation<f32> {
-        let source = Source { color: [1.0, 0.5, 0.0], light: vec![([3, 1, 2], Sh::lobe(DVec3::X))] };
+        let source =
+            Source { color: [1.0, 0.5, 0.0], light: vec![([3, 1, 2], Sh::lobe(DVec3::X))], ..Source::default() };
         let problem = Problem {
             size: 8,
             coarsest,
@@ -193,6 +207,7 @@ mod tests {
             solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation { iterations: 3, ..Propagation::default() },
+            ..Problem::default()
         };
         let mut simulation = Simulation::new(problem).unwrap();
         simulation.run(|_| true);

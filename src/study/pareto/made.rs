@@ -11,9 +11,9 @@ use crate::sh::Sh;
 pub fn scenes(n: usize, factor: f64) -> [(&'static str, Problem); 3] {
     let wall = |x: usize, way: DVec3| {
         let cells = Layout::new(n).cells().filter(move |cell| cell[0] == x);
-        Source { color: [1.0; 3], light: cells.map(|cell| (cell, Sh::lobe(way))).collect() }
+        Source { color: [1.0; 3], light: cells.map(|cell| (cell, Sh::lobe(way))).collect(), ..Source::default() }
     };
-    let lobe = Source { color: [1.0; 3], light: vec![([n / 2; 3], Sh::lobe(DVec3::X))] };
+    let lobe = Source { color: [1.0; 3], light: vec![([n / 2; 3], Sh::lobe(DVec3::X))], ..Source::default() };
     let problem = |sources: Vec<Source>| Problem {
         size: n,
         coarsest: 1,
@@ -21,6 +21,7 @@ pub fn scenes(n: usize, factor: f64) -> [(&'static str, Problem); 3] {
         solids: Vec::new(),
         occlusion: Occlusion::default(),
         propagation: Propagation { factor, ..Propagation::default() },
+        ..Problem::default()
     };
     [
         ("one-wall", problem(vec![wall(0, DVec3::X)])),

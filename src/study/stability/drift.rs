@@ -103,7 +103,11 @@ impl LongRun<'_> {
         Problem {
             size: self.size,
             coarsest: self.size,
-            sources: vec![Source { color: [1.0; 3], light: vec![(middle, Sh::lobe(glam::DVec3::X))] }],
+            sources: vec![Source {
+                color: [1.0; 3],
+                light: vec![(middle, Sh::lobe(glam::DVec3::X))],
+                ..Source::default()
+            }],
             solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation {
@@ -112,6 +116,7 @@ impl LongRun<'_> {
                 iterations: self.iterations,
                 ..Propagation::default()
             },
+            ..Problem::default()
         }
     }
 }

@@ -149,10 +149,11 @@ mod tests {
         Problem {
             size,
             coarsest: 1,
-            sources: vec![Source { color: [1.0, 0.5, 0.0], light }],
+            sources: vec![Source { color: [1.0, 0.5, 0.0], light, ..Source::default() }],
             solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation { factor, ..Propagation::default() },
+            ..Problem::default()
         }
     }
 

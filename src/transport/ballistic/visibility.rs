@@ -23,7 +23,7 @@ impl<'a> Visibility<'a> {
             for y in 0..n {
                 let mut row = 0;
                 for x in 0..n {
-                    row += u32::from(cells.at([x, y, z]) != 1.0);
+                    row += u32::from(cells.least([x, y, z]) != 1.0);
                     let at = |y: usize, z: usize| (z * side + y) * side + x + 1;
                     below[at(y + 1, z + 1)] = row + below[at(y, z + 1)] + below[at(y + 1, z)] - below[at(y, z)];
                 }
@@ -97,7 +97,7 @@ impl<'a> Visibility<'a> {
 
     fn at(&self, from: Cell, to: Cell, gone: [usize; 3]) -> f64 {
         let step = |a: usize| if to[a] > from[a] { from[a] + gone[a] } else { from[a] - gone[a] };
-        f64::from(self.cells.at([0, 1, 2].map(step)))
+        f64::from(self.cells.least([0, 1, 2].map(step)))
     }
 }
 
@@ -109,7 +109,7 @@ mod tests {
     use glam::DVec3;
 
     fn among(cells: &[(Cell, f64)]) -> Transparency {
-        let blocker = |&(cell, opacity): &(Cell, f64)| Solid { cell, normal: DVec3::X, opacity, albedo: [0.0; 3] };
+        let blocker = |&(cell, opacity): &(Cell, f64)| Solid::new(cell, DVec3::X, opacity, [0.0; 3]);
         Transparency::new(8, &cells.iter().map(blocker).collect::<Vec<_>>()).unwrap()
     }
 

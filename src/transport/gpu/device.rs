@@ -129,6 +129,31 @@ impl Device {
         }
     }
 
+    /// Bytes that a copy on the card reads and writes in a second, the median of so many rounds.
+    ///
+    /// # Errors
+    /// Where the card has no room for two buffers.
+    pub fn copy_bandwidth(&self, rounds: usize) -> Result<f64, DeviceError> {
+        const TIMES: u32 = 16;
+        let bytes = self.limits().max_buffer_size.min(512 << 20);
+        let [from, to] = self.tried(|card| ["copy from", "copy to"].map(|label| card.storage(label, bytes)))?;
+        let mut rates = Vec::new();
+        for _ in 0..=rounds {
+            let mut encoder = self.device.create_command_encoder(&Default::default());
+            for _ in 0..TIMES {
+                encoder.copy_buffer_to_buffer(&from, 0, &to, 0, bytes);
+            }
+            let started = std::time::Instant::now();
+            self.queue.submit([encoder.finish()]);
+            self.wait()?;
+            rates.push(2.0 * f64::from(TIMES) * bytes as f64 / started.elapsed().as_secs_f64());
+        }
+        // The first copy also makes the memory.
+        rates.remove(0);
+        rates.sort_by(f64::total_cmp);
+        Ok(rates.get(rates.len() / 2).copied().unwrap_or(f64::NAN))
+    }
+
     /// Waits until all that was submitted is done.
     pub fn wait(&self) -> Result<(), DeviceError> {
         let waited = self.device.poll(wgpu::PollType::wait_indefinitely());

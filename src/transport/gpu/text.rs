@@ -5,6 +5,7 @@
 
 use std::fmt::Write;
 
+use crate::sh::Sh;
 use crate::transport::lattice::kernel::form::{Face, Form};
 use crate::transport::lattice::stencil::Stencil;
 
@@ -13,6 +14,8 @@ use crate::transport::lattice::stencil::Stencil;
 pub struct Constants {
     /// The operator of each level, the finest first, in both of its forms.
     pub levels: Vec<(Form<f32>, Stencil<f32>)>,
+    /// Whether an iteration may go by the definition, face by face: the first one of NVIDIA's sample does.
+    pub plain: bool,
     /// What solids do to light, if there are any.
     pub solids: Option<Solids>,
 }
@@ -147,6 +150,16 @@ impl Constants {
         let _ = writeln!(text, "const HAS_SIDES: bool = {has_sides};\n");
         let values: Vec<String> = forms.iter().map(|form| face(form.side.as_ref().unwrap_or(&form.ahead))).collect();
         by_level(&mut text, "fn side_face(level: u32) -> Face", &values);
+        let values: Vec<String> = self
+            .levels
+            .iter()
+            .map(|(_, stencil)| {
+                let [band0, band1, ..] = stencil.reflect(Sh([1.0; 4])).0;
+                format!("vec4<f32>({})", numbers(&[band0, band1, band1, band1]))
+            })
+            .collect();
+        text.push_str("// What a level multiplies reflected light by.\n");
+        by_level(&mut text, "fn reflection(level: u32) -> vec4<f32>", &values);
         let cone = forms.first().and_then(|form| form.cone).filter(|r| r.is_finite()).unwrap_or(0.0);
         let high = (cone * cone) as f32;
         let low = (cone * cone - f64::from(high)) as f32;
@@ -161,7 +174,8 @@ impl Constants {
         text + &self.taps()
     }
 
-    /// The faces in the frame of the grid, of all levels that have faces of their own.
+    /// The faces as the definition has them, for light that goes to +x, and how they are turned into the other
+    /// directions; once for all levels where levels do not differ.
     fn taps(&self) -> String {
         let stencils: Vec<&Stencil<f32>> = self.levels.iter().map(|(_, stencil)| stencil).collect();
         let same = stencils.iter().all(|stencil| *stencil == stencils[0]);
@@ -169,21 +183,33 @@ impl Constants {
         let faces = stencils[0].taps()[0].len();
         let taps: Vec<String> = stencils
             .iter()
-            .flat_map(|stencil| stencil.taps().iter().flatten())
+            .flat_map(|stencil| &stencil.taps()[0])
             .map(|tap| {
-                let vector = |sh: crate::sh::Sh<f32>| format!("vec4<f32>({})", numbers(&sh.0));
+                let vector = |sh: Sh<f32>| format!("vec4<f32>({})", numbers(&sh.0));
                 let [sampler, lobe, travel] = [tap.sampler, tap.lobe, tap.travel].map(vector);
-                format!("    Tap({sampler}, {lobe}, {travel}, {}u)", u32::from(tap.clamp))
+                format!("        Tap({sampler}, {lobe}, {travel}, {}u),\n", u32::from(tap.clamp))
             })
             .collect();
-        let level = if same { "0u" } else { "level" };
+        let first = if same { "f" } else { "level * FACES + f" };
         format!(
             "const FACES: u32 = {faces}u;\n\n\
-             // By level where levels differ, by direction (+x, -x, +y, -y, +z, -z), by face.\n\
-             fn tap(level: u32, d: u32, f: u32) -> Tap {{\n    var taps = array<Tap, {}>(\n{}\n    );\n    \
-             return taps[({level} * 6u + d) * FACES + f];\n}}\n",
+             // A vector that is given for light to +x, turned so that it fits light in direction `d`\n\
+             // (+x, -x, +y, -y, +z, -z).\n\
+             fn turned(v: vec4<f32>, d: u32) -> vec4<f32> {{\n    \
+             let along = select(v.y, -v.y, (d & 1u) != 0u);\n    \
+             switch d >> 1u {{\n        \
+             case 0u: {{ return vec4<f32>(v.x, along, v.z, v.w); }}\n        \
+             case 1u: {{ return vec4<f32>(v.x, v.z, along, v.w); }}\n        \
+             default: {{ return vec4<f32>(v.x, v.w, v.z, along); }}\n    }}\n}}\n\n\
+             // Face `f` for light in direction `d`.\n\
+             fn tap(level: u32, d: u32, f: u32) -> Tap {{\n    var taps = array<Tap, {}>(\n{}    );\n    \
+             let t = taps[{first}];\n    \
+             return Tap(turned(t.sampler, d), turned(t.lobe, d), turned(t.travel, d), t.clamps);\n}}\n\n\
+             // Whether an iteration may go tap by tap, by the definition.\n\
+             const MAY_BE_PLAIN: bool = {};\n",
             taps.len(),
-            taps.iter().map(|tap| format!("    {tap},")).collect::<Vec<_>>().join("\n")
+            taps.concat(),
+            self.plain
         )
     }
 

@@ -1,6 +1,7 @@
 //! Hard occluders: how much of the light that enters a cell goes on, on every level.
 //!
-//! On level 0 a cell passes 1 − opacity of the light that enters it; the rest is absorbed. Light that is
+//! On level 0 a cell passes 1 − opacity of the light that enters it, by the axis along which it does; the rest is
+//! absorbed. Light that is
 //! injected into an occupied cell leaves it: it sits on the surface.
 //!
 //! A coarse cell holds both sides of a wall, so coarse levels need two rules more:
@@ -66,22 +67,22 @@ impl<T: Real> Barrier<T> {
     pub fn new(sizes: Levels, solids: &[Solid], lit: impl IntoIterator<Item = Cell>) -> Self {
         let n = sizes.finest();
         let index = |[x, y, z]: Cell| (z * n + y) * n + x;
-        let mut free = vec![1.0; n.pow(3)];
+        let mut free = vec![[1.0; 3]; n.pow(3)];
         for blocker in solids {
-            free[index(blocker.cell)] = 1.0 - blocker.opacity;
+            free[index(blocker.cell)] = blocker.opacity.map(|opacity| 1.0 - opacity);
         }
         let mut reached = vec![false; n.pow(3)];
         let mut front: Vec<Cell> = lit.into_iter().collect();
         front.iter().for_each(|cell| reached[index(*cell)] = true);
         while let Some(cell) = front.pop() {
-            for next in neighbours(cell, n) {
+            for (axis, next) in neighbours(cell, n) {
                 let i = index(next);
-                if free[i] > 0.0 && !std::mem::replace(&mut reached[i], true) {
+                if free[i][axis] > 0.0 && !std::mem::replace(&mut reached[i], true) {
                     front.push(next);
                 }
             }
         }
-        let passes = |(free, reached): (&f64, &bool)| [T::of(if *reached { *free } else { 0.0 }); 3];
+        let passes = |(free, reached): (&[f64; 3], &bool)| free.map(|free| T::of(if *reached { free } else { 0.0 }));
         let finest = Passage { n, shares: free.iter().zip(&reached).map(passes).collect() };
         let coarser: Vec<Passage<T>> = (1..sizes.count()).map(|level| finest.coarser(1 << level)).collect();
         Barrier { levels: std::iter::once(finest).chain(coarser).collect() }
@@ -93,15 +94,20 @@ impl<T: Real> Barrier<T> {
         self.levels[level].at(cell)[axis]
     }
 
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        self.levels.iter().map(|passage| size_of_val(passage.shares.as_slice())).sum()
+    }
+
     /// The finest cells that no light can enter.
     pub fn shut(&self) -> impl Iterator<Item = Cell> + '_ {
-        Layout::new(self.levels[0].n).cells().filter(|cell| self.passes(0, *cell, 0) == T::ZERO)
+        Layout::new(self.levels[0].n).cells().filter(|cell| (0..3).all(|axis| self.passes(0, *cell, axis) == T::ZERO))
     }
 }
 
-/// The cells that share a face with `cell` in an n³ grid.
-fn neighbours(cell: Cell, n: usize) -> impl Iterator<Item = Cell> {
-    Direction::ALL.into_iter().filter_map(move |d| d.neighbour(cell, n))
+/// The cells that share a face with `cell` in an n³ grid, each with the axis across that face.
+fn neighbours(cell: Cell, n: usize) -> impl Iterator<Item = (usize, Cell)> {
+    Direction::ALL.into_iter().filter_map(move |d| d.neighbour(cell, n).map(|next| (d.axis(), next)))
 }
 
 #[cfg(test)]
@@ -110,7 +116,7 @@ mod tests {
     use glam::DVec3;
 
     fn wall(cells: impl Iterator<Item = Cell>) -> Vec<Solid> {
-        cells.map(|cell| Solid { cell, normal: DVec3::ZERO, opacity: 1.0, albedo: [0.0; 3] }).collect()
+        cells.map(|cell| Solid::new(cell, DVec3::ZERO, 1.0, [0.0; 3])).collect()
     }
 
     #[test]

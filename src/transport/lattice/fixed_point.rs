@@ -31,10 +31,11 @@ mod roots;
 mod sweep;
 
 use super::kernel::form::{Form, Share};
+use super::schemes;
 use super::stencil::Stencil;
 use crate::field::Grid;
 use crate::scene::{Problem, Propagation};
-use crate::transport::{Refusal, scheme_of, team};
+use crate::transport::{Refusal, known, team};
 use halves::{Half, Shape};
 use head::Head;
 use lit::Lit;
@@ -51,9 +52,12 @@ pub enum NoFixedPoint {
     /// The setting itself cannot be run.
     #[error(transparent)]
     Refused(#[from] Refusal),
-    /// Ordinates are no scheme.
-    #[error("ordinates give the sum of all iterations in one sweep; a fixed point is solved for under a scheme")]
-    Ordinates,
+    /// What propagates the light is no scheme of the lattice.
+    #[error("\"{name}\" solves no linear equation of cells; a fixed point is solved for under a scheme")]
+    NoScheme {
+        /// What propagates it.
+        name: &'static str,
+    },
     /// Occluders are no part of the linear equation that is solved.
     #[error("the fixed point is solved for without occluders; iterate, or set occlusion to Off")]
     Occluders,
@@ -156,7 +160,8 @@ impl Solver {
 
     /// A solver for one propagation setting on an n³ grid; refuses clamps that never cease to act.
     pub fn new(propagation: &Propagation, n: usize) -> Result<Self, NoFixedPoint> {
-        let scheme = scheme_of(propagation)?.ok_or(NoFixedPoint::Ordinates)?;
+        let name = known(&propagation.scheme)?.name;
+        let scheme = schemes::find(name).ok_or(NoFixedPoint::NoScheme { name })?;
         let clamped = || NoFixedPoint::Clamped { scheme: propagation.scheme.clone() };
         let stencil = Stencil::<f32>::new(&scheme, propagation.factor, propagation.clamp);
         let form = Form::of(&stencil).ok_or_else(clamped)?;
@@ -236,7 +241,6 @@ mod tests {
     use crate::scene::Solid;
     use crate::scene::{Occlusion, Source};
     use crate::sh::Sh;
-    use crate::transport::known_scheme;
     use crate::transport::lattice::kernel::plain;
     use crate::transport::lattice::kernel::step::once;
     use glam::DVec3;
@@ -246,10 +250,11 @@ mod tests {
         Problem {
             size,
             coarsest: size,
-            sources: vec![Source { color: [1.0, 0.5, 0.0], light }],
+            sources: vec![Source { color: [1.0, 0.5, 0.0], light, ..Source::default() }],
             solids: Vec::new(),
             occlusion: Occlusion::default(),
             propagation: Propagation { scheme: scheme.to_owned(), factor, clamp, ..Propagation::default() },
+            ..Problem::default()
         }
     }
 
@@ -259,7 +264,7 @@ mod tests {
             let problem = problem(size, "cascaded", factor, clamp);
             let found = solve(&problem, 1e-5, |_| true).unwrap().unwrap();
             assert!(found.residual <= 1e-5);
-            let stencil = Stencil::new(&known_scheme("cascaded").unwrap(), factor, clamp);
+            let stencil = Stencil::new(&schemes::find("cascaded").unwrap(), factor, clamp);
             let mut source = problem.injected::<f64>(&problem.channels()).swap_remove(0);
             let (mut target, mut iterated) = (Grid::new(size), source.clone());
             for _ in 0..800 {
@@ -281,7 +286,7 @@ mod tests {
         let found = solve(&problem, 1e-3, |_| true).unwrap().unwrap();
         // Unclamped all of it is linear: A should be S + P·A, and ‖S + P·A − A‖ as small as was said.
         let source = &problem.injected::<f32>(&problem.channels())[0];
-        let form = Form::of(&Stencil::new(&known_scheme("cascaded").unwrap(), 3.8, false)).unwrap();
+        let form = Form::of(&Stencil::new(&schemes::find("cascaded").unwrap(), 3.8, false)).unwrap();
         let moved = once(&form, found.light[0].clone());
         let square = |grid: &Grid<f32>| -> f64 { grid.iter().map(|(_, l)| l.widen().dot(l.widen())).sum() };
         let mut rest = source.clone();
@@ -329,10 +334,10 @@ mod tests {
         assert!(matches!(refused(&problem(8, "axial", 3.0, true)), NoFixedPoint::Clamped { .. }));
         assert!(solve(&problem(8, "axial", 3.0, false), 1e-4, |_| true).is_ok());
         let mut walled = problem(8, "cascaded", 3.0, true);
-        walled.solids = vec![Solid { cell: [1; 3], normal: DVec3::X, opacity: 1.0, albedo: [0.0; 3] }];
+        walled.solids = vec![Solid::new([1; 3], DVec3::X, 1.0, [0.0; 3])];
         assert_eq!(refused(&walled), NoFixedPoint::Occluders);
         assert!(matches!(refused(&problem(16, "cascaded", 4.3, true)), NoFixedPoint::Diverges { .. }));
-        assert_eq!(refused(&problem(8, "ordinates", 3.0, true)), NoFixedPoint::Ordinates);
+        assert!(matches!(refused(&problem(8, "ordinates", 3.0, true)), NoFixedPoint::NoScheme { .. }));
         assert!(matches!(refused(&problem(16, "nonsense", 3.0, true)), NoFixedPoint::Refused(_)));
         let stopped = solve(&problem(8, "cascaded", 3.0, true), 1e-4, |_| false);
         assert!(stopped.unwrap().is_none());

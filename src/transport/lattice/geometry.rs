@@ -21,21 +21,31 @@ pub struct Geometry<T> {
     /// In place of a function on the sphere four numbers that downsample alike: the opacity, and for each
     /// colour the albedo times the opacity.
     surfaces: Octree<T>,
+    /// In the same way how much of a cell is blocked along x, y and z.
+    covers: Octree<T>,
 }
 
 impl<T: Real> Geometry<T> {
     /// The geometry volume of `blockers`, each cell at most once.
     pub fn new(sizes: Levels, solids: &[Solid]) -> Self {
-        let (mut lobes, mut surfaces) = (Octree::new(sizes), Octree::new(sizes));
+        let [mut lobes, mut surfaces, mut covers] = [(); 3].map(|()| Octree::new(sizes));
         for blocker in solids {
-            let lobe = Sh::lobe(blocker.normal) * blocker.opacity;
-            lobes.level_mut(0).set(blocker.cell, lobe.cast());
-            let [red, green, blue] = blocker.albedo.map(|albedo| albedo * blocker.opacity);
-            surfaces.level_mut(0).set(blocker.cell, Sh([blocker.opacity, red, green, blue]).cast());
+            lobes.level_mut(0).set(blocker.cell, blocker.blocker.cast());
+            let weight = blocker.most_opaque();
+            let [red, green, blue] = blocker.albedo.map(|albedo| albedo * weight);
+            surfaces.level_mut(0).set(blocker.cell, Sh([weight, red, green, blue]).cast());
+            let [x, y, z] = blocker.opacity;
+            covers.level_mut(0).set(blocker.cell, Sh([x, y, z, 0.0]).cast());
         }
         lobes.downsample();
         surfaces.downsample();
-        Geometry { lobes, surfaces }
+        covers.downsample();
+        Geometry { lobes, surfaces, covers }
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        self.lobes.bytes() + self.surfaces.bytes() + self.covers.bytes()
     }
 
     /// The blocker of a cell.
@@ -43,9 +53,14 @@ impl<T: Real> Geometry<T> {
         self.lobes.level(level).get(cell)
     }
 
-    /// How much of a cell is blocked, 0 to 1.
-    pub fn opacity(&self, level: usize, cell: Cell) -> T {
-        self.surfaces.level(level).get(cell).0[0]
+    /// How much of a cell is blocked along an axis (0 for x, 1 for y, 2 for z), 0 to 1.
+    pub fn opacity(&self, level: usize, cell: Cell, axis: usize) -> T {
+        self.covers.level(level).get(cell).0[axis]
+    }
+
+    /// Whether anything stands in a cell.
+    pub fn is_occupied(&self, level: usize, cell: Cell) -> bool {
+        self.surfaces.level(level).get(cell).0[0] != T::ZERO
     }
 
     /// The share of a colour (0 red, 1 green, 2 blue) that is sent back by what is blocked of a cell: on
@@ -63,13 +78,13 @@ mod tests {
 
     #[test]
     fn coarse_levels_hold_the_mean_blocker_and_the_albedo_of_what_is_there() {
-        let blocker = |cell, opacity, albedo| Solid { cell, normal: DVec3::Y, opacity, albedo };
+        let blocker = |cell, opacity, albedo| Solid::new(cell, DVec3::Y, opacity, albedo);
         let solids = [blocker([2, 1, 0], 1.0, [0.5, 0.0, 1.0]), blocker([3, 0, 1], 0.5, [0.8, 0.0, 0.4])];
         let geometry = Geometry::<f64>::new(Levels::new(4, 1).unwrap(), &solids);
         let lobe = Sh::<f64>::lobe(DVec3::Y);
         assert_eq!(geometry.lobe(0, [3, 0, 1]), lobe * 0.5);
         assert!((geometry.lobe(1, [1, 0, 0]) - lobe * (1.5 / 8.0)).max_norm() < 1e-15);
-        assert!((geometry.opacity(1, [1, 0, 0]) - 1.5 / 8.0).abs() < 1e-15);
+        assert!((geometry.opacity(1, [1, 0, 0], 2) - 1.5 / 8.0).abs() < 1e-15);
         // (1 · 0.5 + 0.5 · 0.8) / 1.5
         for level in [1, 2] {
             assert!((geometry.albedo(level, [1 >> (level - 1), 0, 0], 0) - 0.6).abs() < 1e-15);

@@ -3,7 +3,7 @@
 //! [`plain`] is the definition. The others give the same light faster: [`form`] finds in a stencil the
 //! few numbers that its symmetry leaves, `row` computes a row of cells from them, `slab` a slab of rows
 //! with what may be skipped in it (`found` looks at what came out), [`step`] one iteration, [`among`] one
-//! among occluders, and [`blocked`] several in one pass over memory. [`crate::transport::team`] is how threads share that work.
+//! among occluders, [`blocked`] several in one pass over memory, and [`pass`] chooses between the last two. [`crate::transport::team`] is how threads share that work.
 
 pub mod among;
 pub mod blocked;
@@ -13,7 +13,9 @@ mod conformance;
 pub mod form;
 mod found;
 mod fuzzy;
+mod gather;
 pub mod occluded;
+pub mod pass;
 pub mod plain;
 mod row;
 mod slab;
@@ -39,7 +41,7 @@ pub fn settle<T: Real>(light: Sh<T>) -> Sh<T> {
 
 /// `c`, or zero (never −0) if it is smaller in magnitude than `floor`.
 #[inline(always)]
-fn settle_number<T: Real>(c: T, floor: T) -> T {
+pub(super) fn settle_number<T: Real>(c: T, floor: T) -> T {
     if c.abs() < floor { T::ZERO } else { c }
 }
 
@@ -61,6 +63,14 @@ pub struct Level<'a, T> {
 }
 
 impl<T> Level<'_, T> {
+    /// Exchanges source and target for good if `turns` is odd, so that the newest light is in the source.
+    fn turn(&mut self, turns: usize) {
+        if turns % 2 == 1 {
+            std::mem::swap(self.source, self.target);
+            std::mem::swap(self.source_lit, self.target_lit);
+        }
+    }
+
     /// The same, after `turns` exchanges of source and target.
     fn turned(&mut self, turns: usize) -> Level<'_, T> {
         let Level { source, source_lit, target, target_lit, sum, marks } = self;

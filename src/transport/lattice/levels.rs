@@ -82,7 +82,8 @@ pub fn operators<T: Real>(
     (0..count)
         .map(|level| {
             let leaving = match policy {
-                Policy::Same => 1.0,
+                // Exact levels have operators of another form: see `super::exact`.
+                Policy::Same | Policy::Exact => 1.0,
                 Policy::Consistent => 0.5f64.powi(level as i32),
             };
             let staying = gain.map(|g| (1.0 - leaving) * g);
@@ -92,7 +93,8 @@ pub fn operators<T: Real>(
                 return Err(TooLarge { factor, level, limit });
             }
             let residence = staying.map(|s| 1.0 / (1.0 - s));
-            let stencil = Stencil::scaled(scheme, residence.map(|r| factor * leaving * r), clamp);
+            let stencil = Stencil::scaled(scheme, residence.map(|r| factor * leaving * r), clamp)
+                .reflecting(residence.map(|r| leaving * r));
             Ok(LevelOperator { stencil, residence })
         })
         .collect()

@@ -30,7 +30,8 @@ impl<T: Real> Tap<T> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stencil<T> {
     taps: [Vec<Tap<T>>; 6],
-    factors: [T; 2],
+    /// What reflected light is multiplied with, by band: what the level does to all that arrives, without p.
+    reflection: [T; 2],
 }
 
 impl<T: Real> Stencil<T> {
@@ -54,7 +55,7 @@ impl<T: Real> Stencil<T> {
             });
             turned.collect()
         });
-        Stencil { taps, factors: [T::of(band0), T::of(band1)] }
+        Stencil { taps, reflection: [T::of(1.0); 2] }
     }
 
     /// The taps that carry light in each of [`Direction::ALL`].
@@ -62,9 +63,15 @@ impl<T: Real> Stencil<T> {
         &self.taps
     }
 
-    /// Multiplies what a scheme gives at factor 1 by the factor of each band.
-    pub fn scale(&self, Sh([c00, x, y, z]): Sh<T>) -> Sh<T> {
-        let [band0, band1] = self.factors;
+    /// The same for a level that multiplies whatever arrives by a number for each band, p aside: reflected light too.
+    pub fn reflecting(self, reflection: [f64; 2]) -> Self {
+        Stencil { reflection: reflection.map(T::of), ..self }
+    }
+
+    /// What a level makes of light that a blocker reflects into a cell. The factor p has no part in it: that is the
+    /// flux from neighbour to neighbour, and this flux has arrived.
+    pub fn reflect(&self, Sh([c00, x, y, z]): Sh<T>) -> Sh<T> {
+        let [band0, band1] = self.reflection;
         Sh([c00 * band0, x * band1, y * band1, z * band1])
     }
 

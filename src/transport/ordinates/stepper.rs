@@ -1,114 +1,154 @@
 //! Ordinates by the iteration: every front moves one cell a step.
 
+use std::collections::HashMap;
+
+use glam::DVec3;
 use multiversion::multiversion;
 use rayon::prelude::*;
 
 use super::{Group, LANES, Lanes, Octant, Ordinates};
 use crate::field::{Cell, Grid, Layout};
 use crate::scene::propagation::ordinates::Rule;
-use crate::sh::{K0, K1, Sh};
+use crate::sh::{K0, K1, Real, Sh};
 use crate::transport::transparency::Transparency;
 
 /// Pieces that the directions are cut into: always the same, so that the sum is too.
 const PIECES: usize = 4;
 
 /// What has come into a cell by its low faces, as the wind of a group blows.
-type Came = [Lanes; 3];
+pub(super) type Came<T> = [Lanes<T>; 3];
 
-/// Light of one channel under way in all directions. Once it moves it takes 12 bytes a cell and direction.
+/// Light of one channel under way in all directions. Once it moves it takes three numbers a cell and direction.
 #[derive(Clone, Debug)]
-pub struct Stepper {
-    ordinates: Ordinates,
+pub struct Stepper<T = f32> {
+    ordinates: Ordinates<T>,
     n: usize,
     /// For every group and cell, x fastest; cells in the order of the wind. Empty until something moves.
-    under_way: Vec<Vec<Came>>,
+    under_way: Vec<Vec<Came<T>>>,
     /// What has not been sent yet.
-    unsent: Grid<f32>,
+    unsent: Grid<T>,
+    surfaces: Surfaces<T>,
 }
 
-impl Stepper {
+/// Light of surfaces that has not been sent yet: by cell, normals and what goes along them [W/sr].
+type Surfaces<T> = HashMap<usize, Vec<([T; 3], T)>>;
+
+impl<T: Real> Stepper<T> {
     /// A dark volume of n³ cells.
-    pub fn new(ordinates: Ordinates, n: usize) -> Self {
-        Stepper { ordinates, n, under_way: Vec::new(), unsent: Grid::new(n) }
+    pub fn new(ordinates: Ordinates<T>, n: usize) -> Self {
+        Stepper { ordinates, n, under_way: Vec::new(), unsent: Grid::new(n), surfaces: Surfaces::default() }
     }
 
-    /// Bytes of the light under way in so many directions.
-    pub fn bytes(directions: usize, n: usize) -> u64 {
-        // A group is at most one lane short in each octant; that is not counted.
-        (size_of::<Came>() * directions.div_ceil(LANES)) as u64 * (n as u64).pow(3)
-    }
-
-    /// Bytes of the light under way now.
+    /// Bytes that it takes now.
     pub fn bytes_now(&self) -> usize {
-        self.under_way.iter().map(|cells| size_of_val(cells.as_slice())).sum()
+        self.under_way.iter().map(|cells| size_of_val(cells.as_slice())).sum::<usize>() + self.unsent.bytes()
     }
 
     /// Makes it dark.
     pub fn clear(&mut self) {
         self.under_way.clear();
         self.unsent.clear();
+        self.surfaces.clear();
     }
 
     /// Adds light to a cell, to be sent by the next step.
-    pub fn inject(&mut self, cell: Cell, light: Sh<f32>) {
+    pub fn inject(&mut self, cell: Cell, light: Sh<T>) {
         self.unsent.add(cell, light);
     }
 
-    /// What the next step will send.
-    pub fn unsent(&self) -> &Grid<f32> {
+    /// Adds light of a surface in a cell, (flux/π)·max(0, n·u) along u, to be sent by the next step. In place of π
+    /// stands what the set's directions make of it, so that no light is lost between them.
+    pub fn inject_surface(&mut self, [x, y, z]: Cell, normal: DVec3, flux: f64) {
+        let normal = normal.to_array().map(T::of);
+        let groups = self.ordinates.octants.iter().flat_map(|octant| &octant.groups);
+        let whole: f64 = groups.flat_map(|group| group.lambert(normal)).map(T::to_f64).sum();
+        if whole > 0.0 {
+            let light = (normal, T::of(flux / whole));
+            self.surfaces.entry((z * self.n + y) * self.n + x).or_default().push(light);
+        }
+    }
+
+    /// What came into a cell in the last step: for each group of directions the fluxes by its low faces.
+    pub(super) fn arrivals(&self, cell: Cell) -> impl Iterator<Item = (&Group<T>, &Came<T>)> {
+        let groups = self.ordinates.octants.iter().flat_map(|octant| octant.groups.iter().map(move |g| (octant, g)));
+        groups.zip(&self.under_way).map(move |((octant, group), came)| {
+            let [x, y, z] = turned(octant, self.n, cell);
+            (group, &came[(z * self.n + y) * self.n + x])
+        })
+    }
+
+    /// What the next step will send of lobes.
+    pub fn unsent(&self) -> &Grid<T> {
         &self.unsent
     }
 
     /// One iteration: sets `arrived` to Σ_j F_j·Y(u_j) of what then comes into each cell. Whatever leaves a cell is
     /// multiplied with `gain`.
-    pub fn step(&mut self, gain: f32, occluders: Option<&Transparency>, arrived: &mut Grid<f32>) {
-        let groups: Vec<(&Octant, &Group)> =
+    pub fn step(&mut self, gain: T, occluders: Option<&Transparency>, arrived: &mut Grid<T>) {
+        let groups: Vec<(&Octant<T>, &Group<T>)> =
             self.ordinates.octants.iter().flat_map(|octant| octant.groups.iter().map(move |g| (octant, g))).collect();
-        let dark = [[0.0; LANES]; 3];
+        let dark = [[T::ZERO; LANES]; 3];
         self.under_way.resize_with(groups.len(), || vec![dark; self.n.pow(3)]);
         let piece = groups.len().div_ceil(PIECES).max(1);
-        let (unsent, rule) = (&self.unsent, self.ordinates.rule);
+        let (unsent, rule) = ((&self.unsent, &self.surfaces), self.ordinates.rule);
         let pieces = groups.par_chunks(piece).zip(self.under_way.par_chunks_mut(piece));
-        let run = |(groups, under_way): (&[(&Octant, &Group)], &mut [Vec<Came>])| {
-            let mut arrived = Grid::new(unsent.side());
+        let run = |(groups, under_way): (&[(&Octant<T>, &Group<T>)], &mut [Vec<Came<T>>])| {
+            let mut arrived = Grid::new(unsent.0.side());
             for (wind, came) in groups.iter().zip(under_way) {
                 advance(*wind, rule, gain, unsent, occluders, came);
                 arrive(*wind, came, &mut arrived);
             }
             arrived
         };
-        let parts: Vec<Grid<f32>> = pieces.map(run).collect();
+        let parts: Vec<Grid<T>> = pieces.map(run).collect();
         arrived.clear();
         parts.iter().for_each(|part| arrived.add_grid(part));
         self.unsent.clear();
+        self.surfaces.clear();
+    }
+}
+
+impl<T: Real> Group<T> {
+    /// For each direction its solid angle times the cosine to a surface's normal, if it leaves the surface.
+    fn lambert(&self, normal: [T; 3]) -> Lanes<T> {
+        std::array::from_fn(|l| {
+            let cosine = self.way[0][l] * normal[0] + self.way[1][l] * normal[1] + self.way[2][l] * normal[2];
+            if cosine > T::ZERO { cosine * self.weight[l] } else { T::ZERO }
+        })
     }
 }
 
 /// Where cell `at`, counted with the wind, lies.
-fn turned(octant: &Octant, n: usize, at: Cell) -> Cell {
+fn turned<T>(octant: &Octant<T>, n: usize, at: Cell) -> Cell {
     std::array::from_fn(|a| if octant.backwards[a] { n - 1 - at[a] } else { at[a] })
 }
 
 /// Moves the light of one group by one cell.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
-fn advance(
-    (octant, group): (&Octant, &Group),
+fn advance<T: Real>(
+    (octant, group): (&Octant<T>, &Group<T>),
     rule: Rule,
-    gain: f32,
-    unsent: &Grid<f32>,
+    gain: T,
+    (unsent, surfaces): (&Grid<T>, &Surfaces<T>),
     occluders: Option<&Transparency>,
-    under_way: &mut [Came],
+    under_way: &mut [Came<T>],
 ) {
     let n = unsent.side();
-    let dark = [[0.0; LANES]; 3];
+    let dark = [[T::ZERO; LANES]; 3];
     // Against the wind: when a cell's light moves on, that of the next one has.
     for (i, at) in (0..n.pow(3)).rev().map(|i| (i, [i % n, i / n % n, i / n / n])) {
         let cell = turned(octant, n, at);
         let (came, light) = (under_way[i], unsent.get(cell));
+        let of_surfaces =
+            if surfaces.is_empty() { None } else { surfaces.get(&((cell[2] * n + cell[1]) * n + cell[0])) };
         let mut leaves = dark;
-        if !light.is_zero() || came != dark {
-            let sent = if light.is_zero() { dark[0] } else { group.sent(light) };
-            let passes = occluders.map_or(1.0, |occluders| occluders.at(cell));
+        if !light.is_zero() || came != dark || of_surfaces.is_some() {
+            let mut sent = if light.is_zero() { dark[0] } else { group.sent(light) };
+            for (normal, along) in of_surfaces.into_iter().flatten() {
+                sent.iter_mut().zip(group.lambert(*normal)).for_each(|(sent, lambert)| *sent += *along * lambert);
+            }
+            let passes =
+                occluders.map_or([T::of(1.0); 3], |occluders| occluders.at(cell).map(|share| T::of(f64::from(share))));
             let mut unseen = [dark[0]; 4];
             leaves = match rule {
                 Rule::Donor => group.cross::<true>(came, sent, passes, &mut unseen),
@@ -133,19 +173,19 @@ fn advance(
 
 /// Adds what has come into each cell.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
-fn arrive((octant, group): (&Octant, &Group), under_way: &[Came], arrived: &mut Grid<f32>) {
+fn arrive<T: Real>((octant, group): (&Octant<T>, &Group<T>), under_way: &[Came<T>], arrived: &mut Grid<T>) {
     let n = arrived.side();
-    let dark = [[0.0; LANES]; 3];
+    let dark = [[T::ZERO; LANES]; 3];
     for (at, came) in Layout::new(n).cells().zip(under_way) {
         if *came == dark {
             continue;
         }
-        let mut sum = [0f32; 4];
+        let mut sum = [T::ZERO; 4];
         for (l, ((x, y), z)) in came[0].iter().zip(&came[1]).zip(&came[2]).enumerate() {
-            let flux = x + y + z;
-            sum[0] += K0 as f32 * flux;
+            let flux = *x + *y + *z;
+            sum[0] += T::of(K0) * flux;
             for (sum, way) in sum[1..].iter_mut().zip(&group.way) {
-                *sum += K1 as f32 * flux * way[l];
+                *sum += T::of(K1) * flux * way[l];
             }
         }
         arrived.add(turned(octant, n, at), Sh(sum));
@@ -161,16 +201,13 @@ mod tests {
 
     #[test]
     fn stepping_to_the_end_gives_what_one_sweep_gives() {
-        let solids = [
-            Solid { cell: [4, 3, 3], normal: DVec3::X, opacity: 1.0, albedo: [0.0; 3] },
-            Solid { cell: [2, 5, 3], normal: DVec3::X, opacity: 0.4, albedo: [0.0; 3] },
-        ];
+        let solids = [Solid::new([4, 3, 3], DVec3::X, 1.0, [0.0; 3]), Solid::new([2, 5, 3], DVec3::X, 0.4, [0.0; 3])];
         let occluders = Transparency::new(8, &solids);
         let mut injected = Grid::new(8);
         injected.set([2, 3, 3], Sh::lobe(DVec3::X));
         injected.set([7, 0, 5], Sh([0.3, -0.1, 0.0, 0.2]));
         for (lattice, rule) in [(Lattice::Octahedral, Rule::Faces), (Lattice::Fibonacci, Rule::Donor)] {
-            let ordinates = Ordinates::new(lattice, 40, rule);
+            let ordinates = Ordinates::<f32>::new(lattice, 40, rule);
             let at_once = ordinates.solve(&injected, occluders.as_ref());
             let mut stepper = Stepper::new(ordinates, 8);
             injected.iter().for_each(|(cell, light)| stepper.inject(cell, light));
@@ -188,7 +225,7 @@ mod tests {
 
     #[test]
     fn the_front_moves_one_cell_a_step() {
-        let mut stepper = Stepper::new(Ordinates::new(Lattice::Octahedral, 32, Rule::Faces), 8);
+        let mut stepper = Stepper::<f32>::new(Ordinates::new(Lattice::Octahedral, 32, Rule::Faces), 8);
         stepper.inject([3, 3, 3], Sh::lobe(DVec3::Y));
         let mut arrived = Grid::new(8);
         for k in 1..=4 {

@@ -11,12 +11,12 @@ use multiversion::multiversion;
 use super::{Group, LANES, Lanes, Octant};
 use crate::field::{Grid, Marks};
 use crate::scene::propagation::ordinates::Rule;
-use crate::sh::{K0, K1, Sh};
+use crate::sh::{K0, K1, Real, Sh};
 use crate::transport::lattice::kernel::FLOOR;
 use crate::transport::transparency::Transparency;
 
 /// Where a grid is lit: for every row (y, z), y fastest, the cells from its first to its last lit one.
-pub(super) fn lit_rows(grid: &Grid<f32>) -> Vec<Range<usize>> {
+pub(super) fn lit_rows<T: Real>(grid: &Grid<T>) -> Vec<Range<usize>> {
     let mut lit = Marks::new(grid.side());
     lit.mark_lit(grid);
     let row = |words: &[u64]| {
@@ -29,13 +29,13 @@ pub(super) fn lit_rows(grid: &Grid<f32>) -> Vec<Range<usize>> {
 
 /// Adds what arrives in each cell to `arrived`; `lit` are the [`lit_rows`] of the injected light, `under_way` is
 /// memory to use.
-pub(super) fn sweep(
-    octant: &Octant,
+pub(super) fn sweep<T: Real>(
+    octant: &Octant<T>,
     rule: Rule,
-    (injected, lit): (&Grid<f32>, &[Range<usize>]),
+    (injected, lit): (&Grid<T>, &[Range<usize>]),
     occluders: Option<&Transparency>,
-    under_way: &mut Vec<Lanes>,
-    arrived: &mut Grid<f32>,
+    under_way: &mut Vec<Lanes<T>>,
+    arrived: &mut Grid<T>,
 ) {
     if !octant.groups.is_empty() {
         best(octant, rule, (injected, lit), occluders, under_way, arrived);
@@ -43,33 +43,33 @@ pub(super) fn sweep(
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
-fn best(
-    octant: &Octant,
+fn best<T: Real>(
+    octant: &Octant<T>,
     rule: Rule,
-    (injected, lit): (&Grid<f32>, &[Range<usize>]),
+    (injected, lit): (&Grid<T>, &[Range<usize>]),
     occluders: Option<&Transparency>,
-    under_way: &mut Vec<Lanes>,
-    arrived: &mut Grid<f32>,
+    under_way: &mut Vec<Lanes<T>>,
+    arrived: &mut Grid<T>,
 ) {
     match rule {
-        Rule::Donor => any::<true>(octant, (injected, lit), occluders, under_way, arrived),
-        Rule::Faces => any::<false>(octant, (injected, lit), occluders, under_way, arrived),
+        Rule::Donor => any::<T, true>(octant, (injected, lit), occluders, under_way, arrived),
+        Rule::Faces => any::<T, false>(octant, (injected, lit), occluders, under_way, arrived),
     }
 }
 
 #[inline(always)]
-fn any<const DONOR: bool>(
-    octant: &Octant,
-    (injected, lit): (&Grid<f32>, &[Range<usize>]),
+fn any<T: Real, const DONOR: bool>(
+    octant: &Octant<T>,
+    (injected, lit): (&Grid<T>, &[Range<usize>]),
     occluders: Option<&Transparency>,
-    under_way: &mut Vec<Lanes>,
-    arrived: &mut Grid<f32>,
+    under_way: &mut Vec<Lanes<T>>,
+    arrived: &mut Grid<T>,
 ) {
     let layout = injected.layout();
     let n = layout.side();
     let groups = &octant.groups;
     let along = |axis: usize, i: usize| if octant.backwards[axis] { n - 1 - i } else { i };
-    let dark = [0.0; LANES];
+    let dark = [T::ZERO; LANES];
     under_way.clear();
     under_way.resize((n * n + n + 1) * groups.len(), dark);
     let (by_z, rest) = under_way.split_at_mut(n * n * groups.len());
@@ -96,7 +96,8 @@ fn any<const DONOR: bool>(
                 let at = layout.index(cell);
                 let light = if lit.contains(&cell[0]) { injected.at(at) } else { Sh::ZERO };
                 let lit = !light.is_zero();
-                let passes = occluders.map_or(1.0, |occluders| occluders.at(cell));
+                let passes = occluders
+                    .map_or([T::of(1.0); 3], |occluders| occluders.at(cell).map(|share| T::of(f64::from(share))));
                 let ahead = xi * groups.len()..(xi + 1) * groups.len();
                 let under_way = by_x.iter_mut().zip(&mut by_y[ahead.clone()]).zip(&mut by_z[ahead]);
                 let mut sum = [dark; 4];
@@ -104,25 +105,25 @@ fn any<const DONOR: bool>(
                     let sent = if lit { group.sent(light) } else { dark };
                     [*x, *y, *z] = group.cross::<DONOR>([*x, *y, *z], sent, passes, &mut sum);
                 }
-                sums[0][at] += K0 as f32 * total(sum[0]);
+                sums[0][at] += T::of(K0) * total(sum[0]);
                 for c in 1..4 {
-                    sums[c][at] += K1 as f32 * total(sum[c]);
+                    sums[c][at] += T::of(K1) * total(sum[c]);
                 }
             }
         }
     }
 }
 
-impl Group {
+impl<T: Real> Group<T> {
     /// What a cell that holds `light` sends in each direction.
     #[inline(always)]
-    pub(super) fn sent(&self, light: Sh<f32>) -> Lanes {
+    pub(super) fn sent(&self, light: Sh<T>) -> Lanes<T> {
         let Sh([c00, x, y, z]) = light;
-        let (mean, [x, y, z]) = (K0 as f32 * c00, [x, y, z].map(|c| K1 as f32 * c));
-        let mut sent = [0.0; LANES];
+        let (mean, [x, y, z]) = (T::of(K0) * c00, [x, y, z].map(|c| T::of(K1) * c));
+        let mut sent = [T::ZERO; LANES];
         for (l, sent) in sent.iter_mut().enumerate() {
             let value = mean + (x * self.way[0][l] + y * self.way[1][l] + z * self.way[2][l]);
-            *sent = value.max(0.0) * self.weight[l];
+            *sent = value.max(T::ZERO) * self.weight[l];
         }
         sent
     }
@@ -132,28 +133,29 @@ impl Group {
     #[inline(always)]
     pub(super) fn cross<const DONOR: bool>(
         &self,
-        came: [Lanes; 3],
-        sent: Lanes,
-        passes: f32,
-        sum: &mut [Lanes; 4],
-    ) -> [Lanes; 3] {
-        let mut leaves = [[0.0; LANES]; 3];
+        came: [Lanes<T>; 3],
+        sent: Lanes<T>,
+        passes: [T; 3],
+        sum: &mut [Lanes<T>; 4],
+    ) -> [Lanes<T>; 3] {
+        let mut leaves = [[T::ZERO; LANES]; 3];
         for l in 0..LANES {
             // The next cell along x waits for what comes of the first.
             let flux = came[0][l] + (came[1][l] + came[2][l]);
             sum[0][l] += flux;
+            let passed = [0, 1, 2].map(|k: usize| came[k][l] * passes[k]);
             for j in 0..3 {
                 sum[1 + j][l] += flux * self.way[j][l];
                 let left = if DONOR {
-                    self.start[j][l] * (flux * passes + sent[l])
+                    self.start[j][l] * (passed[0] + (passed[1] + passed[2]) + sent[l])
                 } else {
-                    let through: f32 = self.through[0][j][l] * came[0][l]
-                        + self.through[1][j][l] * came[1][l]
-                        + self.through[2][j][l] * came[2][l];
-                    through * passes + self.start[j][l] * sent[l]
+                    self.through[0][j][l] * passed[0]
+                        + self.through[1][j][l] * passed[1]
+                        + self.through[2][j][l] * passed[2]
+                        + self.start[j][l] * sent[l]
                 };
                 // Beams fade sideways without end; denormal numbers would cost more than all the rest.
-                leaves[j][l] = if left < FLOOR as f32 { 0.0 } else { left };
+                leaves[j][l] = if left < T::of(FLOOR) { T::ZERO } else { left };
             }
         }
         leaves
@@ -162,7 +164,7 @@ impl Group {
 
 /// The sum over the lanes, in an order that every instruction set keeps.
 #[inline(always)]
-fn total(lanes: Lanes) -> f32 {
+fn total<T: Real>(lanes: Lanes<T>) -> T {
     let [a, b, c, d, e, f, g, h] = lanes;
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }

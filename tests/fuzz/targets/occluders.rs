@@ -14,7 +14,7 @@ fuzz_target!(|bytes: &[u8]| {
     match Problem::build(&preset, path.parent().expect("a folder")) {
         Ok(problem) => {
             for blocker in &problem.solids {
-                assert!(blocker.cell.iter().all(|c| *c < 4) && (0.0..=1.0).contains(&blocker.opacity));
+                assert!(blocker.cell.iter().all(|c| *c < 4) && blocker.opacity.iter().all(|o| (0.0..=1.0).contains(o)));
                 assert!(blocker.normal.is_finite() && blocker.normal.length() < 1.0 + 1e-9);
             }
         }

@@ -6,14 +6,13 @@ use crate::app::panels::field::{choice, number, row};
 use crate::app::panels::runs::warning;
 use crate::scene::Propagation;
 use crate::scene::propagation::Policy;
+use crate::scene::propagation::descent::{Descent, FARTHEST};
 use crate::scene::propagation::ordinates::Lattice;
 use crate::scene::propagation::ordinates::Rule;
 use crate::scene::propagation::ordinates::{MOST_DIRECTIONS, Setting};
 use crate::scene::propagation::{MOST_ITERATIONS, Snapshots};
 use crate::study::stability::outlook::Exceeded;
 use crate::transport;
-use crate::transport::lattice::schemes;
-use crate::transport::ordinates;
 
 /// The largest factor that can be dragged to: far beyond where every scheme grows without bound.
 const LARGEST_FACTOR: f64 = 100.0;
@@ -22,13 +21,10 @@ const LARGEST_FACTOR: f64 = 100.0;
 /// than its factor.
 pub fn ui(ui: &mut Ui, propagation: &mut Propagation, exceeded: Option<Exceeded>) {
     let schemes: Vec<String> = transport::names().iter().map(|name| (*name).to_owned()).collect();
-    let about = schemes::find(&propagation.scheme);
-    let hint = match about {
-        Some(scheme) => format!("{}\n{}", scheme.summary, scheme.source),
-        None => "Light that keeps its direction, on the finest level".to_owned(),
-    };
+    let kind = transport::find(&propagation.scheme);
+    let hint = kind.map_or(String::new(), |kind| format!("{}\n{}", kind.summary, kind.source));
     choice(ui, "Scheme", &hint, &mut propagation.scheme, &schemes, String::clone);
-    if propagation.scheme == ordinates::NAME {
+    if kind.is_some_and(|kind| !kind.can.levels) {
         directions(ui, &mut propagation.ordinates);
     }
     let field = DragValue::new(&mut propagation.factor).range(0.0..=LARGEST_FACTOR).speed(0.01).max_decimals(6);
@@ -52,13 +48,43 @@ pub fn ui(ui: &mut Ui, propagation: &mut Propagation, exceeded: Option<Exceeded>
     let text = |policy: &Policy| match policy {
         Policy::Same => "One factor for all".to_owned(),
         Policy::Consistent => "Consistent".to_owned(),
+        Policy::Exact => "Exact".to_owned(),
     };
     let hint = "How the operator follows from the level: alike on all, as in the thesis, or so that levels agree";
     choice(ui, "Levels", hint, &mut propagation.levels, &Policy::ALL, text);
+    if kind.is_some_and(|kind| kind.can.levels) {
+        descent(ui, &mut propagation.descent);
+    }
     row(ui, "Clamp", |ui| {
         ui.checkbox(&mut propagation.clamp, "")
             .on_hover_text("Negative flux counts as none; off, every iteration is linear")
     });
+}
+
+/// The fields of a descent.
+fn descent(ui: &mut Ui, descent: &mut Descent) {
+    let distance = match descent {
+        Descent::Leaves { distance } => *distance,
+        _ => Descent::DISTANCE,
+    };
+    let text = |descent: &Descent| match descent {
+        Descent::Off => "Off".to_owned(),
+        Descent::Cells => "All cells".to_owned(),
+        Descent::Leaves { .. } => "Leaves".to_owned(),
+    };
+    let all = [Descent::Off, Descent::Cells, Descent::Leaves { distance }];
+    let hint = "Whether the coarse levels start the fine ones, each with as many iterations; over all cells of a level, \
+                or over leaves, the larger the farther from injected light";
+    choice(ui, "Descent", hint, descent, &all, text);
+    if let Descent::Leaves { distance } = descent {
+        let field = DragValue::new(distance).range(2.0..=FARTHEST).speed(0.02).max_decimals(2);
+        number(
+            ui,
+            "Leaf distance",
+            "How far leaves stay from injected light, in halves of their width; 2 or more",
+            field,
+        );
+    }
 }
 
 /// The fields of the ordinates.

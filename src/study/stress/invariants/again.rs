@@ -144,7 +144,7 @@ mod tests {
         Case::new(&Preset::parse(&text, std::path::Path::new("p.ron")).unwrap()).unwrap()
     }
 
-    fn run<T: crate::sh::Real>(case: &Case) -> Simulation<T> {
+    fn run<T: crate::transport::kind::Precision>(case: &Case) -> Simulation<T> {
         let mut simulation = Simulation::new(case.problem.clone()).unwrap();
         simulation.run(|_| true);
         simulation

@@ -168,7 +168,7 @@ mod tests {
         (case, stencils)
     }
 
-    fn simulation<T: crate::sh::Real>(case: &Case, actions: &[Action]) -> Simulation<T> {
+    fn simulation<T: crate::transport::kind::Precision>(case: &Case, actions: &[Action]) -> Simulation<T> {
         let mut simulation = Simulation::new(case.problem.clone()).unwrap();
         for action in actions {
             simulation.act(*action);

@@ -62,12 +62,11 @@ fn clamped(level: u32, a: Neighbours) -> vec4<f32> {
 }
 
 fn plain(level: u32, a: Neighbours) -> vec4<f32> {
-    var received = send(level, 0u, a.x0);
-    received += send(level, 1u, a.x1);
-    received += send(level, 2u, a.y0);
-    received += send(level, 3u, a.y1);
-    received += send(level, 4u, a.z0);
-    received += send(level, 5u, a.z1);
+    var senders = array<vec4<f32>, 6>(a.x0, a.x1, a.y0, a.y1, a.z0, a.z1);
+    var received = vec4<f32>(0.0);
+    for (var d = 0u; d < 6u; d++) {
+        received += send(level, d, senders[d]);
+    }
     return received;
 }
 
@@ -146,7 +145,7 @@ fn propagate(
     if is_cell && !is_touched {
         let around = neighbours(job, cell);
         var value: vec4<f32>;
-        if (step.mode & MODE_PLAIN) != 0u {
+        if MAY_BE_PLAIN && (step.mode & MODE_PLAIN) != 0u {
             value = plain(job.level, around);
         } else if is_linear {
             value = linear(job.level, around);

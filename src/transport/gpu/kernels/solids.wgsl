@@ -42,7 +42,9 @@ fn fuzzy(t: Touched, level: u32, d: u32, light: vec4<f32>) -> vec4<f32> {
     if reflected == 0.0 || BOUNCE == 0.0 {
         return received;
     }
-    return received + scaled(far, mul(mul(reflected, colour_of(facing, t.colour)), BOUNCE));
+    let back = scaled(far, mul(mul(reflected, colour_of(facing, t.colour)), BOUNCE));
+    let bands = reflection(level);
+    return received + vec4<f32>(mul(back.x, bands.x), mul(back.y, bands.y), mul(back.z, bands.z), mul(back.w, bands.w));
 }
 
 // Solids that pass a part of what enters and send a part of it back. `around` holds for each direction
@@ -57,9 +59,10 @@ fn hard(t: Touched, level: u32, d: u32, light: vec4<f32>, own: vec4<f32>) -> vec
     return scaled(received, passes.x);
 }
 
-// A cell that mirrors light. `around` holds (what is not occupied, what is sent back of red, green, blue).
+// A cell that mirrors light. `around` holds for each direction (what is not occupied, what is sent back of red, green,
+// blue).
 fn mirror(t: Touched, level: u32, d: u32, light: vec4<f32>) -> vec4<f32> {
-    let share = around[t.around_at];
+    let share = around[t.around_at + d];
     let sent = send(level, d, light);
     return scaled(sent, share.x) + scaled(mirrored(sent, d), colour_of(share, t.colour));
 }

@@ -2,8 +2,7 @@
 
 use crate::field::{Grid, Marks};
 use crate::transport::lattice::kernel::form::Form;
-use crate::transport::lattice::kernel::step::{pieces, step};
-use crate::transport::lattice::kernel::{Instructions, Level, Order, lies_in_cone};
+use crate::transport::lattice::kernel::{Instructions, Level, Order, lies_in_cone, pass};
 use crate::transport::team;
 
 /// The most steps taken.
@@ -55,11 +54,8 @@ impl Head {
             return true;
         }
         for _ in 0..MOST_STEPS {
-            let pieces = pieces(rayon::current_num_threads(), source_lit.cells_in_touched_words());
             let mut level = Level { source, source_lit, target, target_lit, sum: None, marks };
-            let tally = step(order, &mut level, pieces, None);
-            std::mem::swap(source, target);
-            std::mem::swap(source_lit, target_lit);
+            let tally = pass::advance(order, &mut level, 1, rayon::current_num_threads(), None);
             if tally.in_cone {
                 return true;
             }

@@ -25,16 +25,17 @@ pub struct Among<'a, T> {
     pub stencil: &'a Stencil<T>,
 }
 
-/// [`step::step`] among occluders. The order must be for the clamped form and drop nothing that looks dark,
+/// [`super::pass::advance`] by one iteration among occluders. The order must be for the clamped form and drop nothing that looks dark,
 /// as both are decided before the touched cells have their light.
-pub fn step<T: Real>(
+pub fn advance<T: Real>(
     order: &Order<T>,
     level: &mut Level<'_, T>,
-    pieces: usize,
-    need: Option<&Marks>,
+    threads: usize,
+    need: Option<&[&Marks]>,
     among: Among<'_, T>,
 ) -> Tally {
     let Among { occluders, which, touched, stencil } = among;
+    let pieces = step::pieces(threads, level.source_lit.cells_in_touched_words());
     let cells = &touched.cells;
     let receive = |i| occluders.receive_touched(stencil, which, level.source, touched, i);
     let received: Vec<Sh<T>> = if pieces == 1 || cells.len() < SERIAL_BELOW {
@@ -44,7 +45,7 @@ pub fn step<T: Real>(
     };
     let before = |cell: &Cell| (level.marks.get(*cell), level.sum.as_ref().map(|sum| sum.get(*cell)));
     let before: Vec<(bool, Option<Sh<T>>)> = cells.iter().map(before).collect();
-    let tally = step::step(order, level, pieces, need);
+    let tally = step::step(order, level, pieces, need.map(|need| need[0]));
     for ((&cell, light), (was_lit, sum)) in cells.iter().zip(received).zip(before) {
         level.target.set(cell, light);
         if let (Some(grid), Some(sum)) = (&mut level.sum, sum) {
@@ -52,5 +53,6 @@ pub fn step<T: Real>(
         }
         level.marks.put(cell, was_lit || !light.is_zero());
     }
+    level.turn(1);
     tally
 }

@@ -96,10 +96,7 @@ fn advance<T: Real>(form: Form<T>, linear: bool, way: Way, iterations: usize, mu
             blocked::in_waves(&order, &mut level, depth, way.threads, rows, None)
         };
         tally = Tally { visited: tally.visited + found.visited, ..found };
-        if depth % 2 == 1 {
-            std::mem::swap(&mut run.source, &mut run.target);
-            std::mem::swap(&mut source_lit, &mut target_lit);
-        }
+        level.turn(depth);
         done += depth;
     }
     (run, tally)

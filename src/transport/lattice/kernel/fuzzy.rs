@@ -1,7 +1,16 @@
 //! Fuzzy occlusion: blockers half a cell off the light weaken the flux through every face and reflect some
 //! of it (000, 6.2; NVIDIA's sample; MATH.md section 9).
+//!
+//! Blockers at a cell's near corners weaken what enters, from a certain iteration on. Those at its far corners send
+//! back, from the first iteration on, of every flux that has entered
+//!
+//! ```text
+//! (G · Y(−d)) · flux · 4.8 · ρ · bounce · G          G the mean far blocker, ρ its albedo, d the way of the light
+//! ```
+//!
+//! which is not multiplied by p, as what a neighbour sends is.
 
-use super::occluded::{Which, sender};
+use super::gather::{Which, sender};
 use crate::field::{Cell, Grid};
 use crate::sh::{Real, Sh};
 use crate::transport::lattice::face::Direction;
@@ -9,7 +18,7 @@ use crate::transport::lattice::geometry::Geometry;
 use crate::transport::lattice::stencil::{Stencil, Tap};
 
 /// What NVIDIA's sample multiplies its reflected light by.
-const REFLECTION: f64 = 4.8;
+pub const REFLECTION: f64 = 4.8;
 
 /// Blockers, and how they act.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +45,14 @@ pub(super) struct Around<T> {
     facing: T,
     /// Its albedo by colour.
     albedo: [T; 3],
+}
+
+impl<T: Real> Around<T> {
+    /// What a card keeps of it: the near blocker, the far one, and (how much that faces the light, its albedos).
+    pub(super) fn table(&self) -> [[T; 4]; 3] {
+        let [red, green, blue] = self.albedo;
+        [self.near.0, self.far.0, [self.facing, red, green, blue]]
+    }
 }
 
 impl<T: Real> Fuzzy<T> {
@@ -78,15 +95,18 @@ impl<T: Real> Fuzzy<T> {
             let mut reflected = T::ZERO;
             let mut received = Sh::ZERO;
             for tap in taps {
-                let blocked = (self.amplifier * around.near.dot(tap.travel)).max(T::ZERO);
-                let flux = tap.flux(light) * (T::of(1.0) - blocked).max(T::ZERO);
+                let mut flux = tap.flux(light);
+                if which.blocks {
+                    let blocked = (self.amplifier * around.near.dot(tap.travel)).max(T::ZERO);
+                    flux *= (T::of(1.0) - blocked).max(T::ZERO);
+                }
                 received += tap.lobe * flux;
                 reflected += around.facing * flux * T::of(REFLECTION);
             }
             if reflected == T::ZERO || self.bounce == T::ZERO {
                 return received;
             }
-            received + stencil.scale(around.far * (reflected * around.albedo[which.colour] * self.bounce))
+            received + stencil.reflect(around.far * (reflected * around.albedo[which.colour] * self.bounce))
         };
         each.map(receive).sum()
     }

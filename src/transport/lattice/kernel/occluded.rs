@@ -3,7 +3,9 @@
 //! Like [`super::plain`] this is a definition: it gathers, cell by cell, what the six neighbours send.
 
 use super::fuzzy::Around;
-pub use super::fuzzy::Fuzzy;
+pub use super::fuzzy::{Fuzzy, REFLECTION};
+pub use super::gather::Which;
+use super::gather::sender;
 use super::settle;
 use crate::field::{Cell, Grid, Layout};
 use crate::sh::{Real, Sh};
@@ -31,8 +33,8 @@ pub struct Mirrored<T> {
     pub geometry: Geometry<T>,
 }
 
-/// An occupied cell passes nothing. What would have entered it is mirrored back to the cell it came from,
-/// times albedo and bounce, and otherwise absorbed.
+/// An occupied cell passes nothing. What would have entered it, p and all, is mirrored back to the cell it came from,
+/// times albedo and bounce, and otherwise absorbed. All of that begins with the first iteration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hard<T> {
     /// What passes.
@@ -41,15 +43,6 @@ pub struct Hard<T> {
     pub geometry: Geometry<T>,
     /// What reflected light is multiplied by.
     pub bounce: T,
-}
-
-/// Which light is propagated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Which {
-    /// The level, 0 the finest.
-    pub level: usize,
-    /// The colour whose albedo counts: 0 red, 1 green, 2 blue.
-    pub colour: usize,
 }
 
 impl<T: Real> Occluders<T> {
@@ -89,12 +82,40 @@ impl<T: Real> Occluders<T> {
         }
     }
 
+    /// Bytes that they take.
+    pub fn bytes(&self) -> usize {
+        match self {
+            Occluders::Fuzzy(fuzzy) => fuzzy.geometry.bytes(),
+            Occluders::Mirrored(mirrored) => mirrored.geometry.bytes(),
+            Occluders::Hard(hard) => hard.geometry.bytes() + hard.barrier.bytes(),
+        }
+    }
+
+    /// For each of the `touched` cells of an n³ level what a card keeps of its surroundings, as
+    /// `kernels/solids.wgsl` takes it.
+    pub fn tables(&self, level: usize, n: usize, touched: &Touched<T>) -> Vec<(Cell, Vec<[T; 4]>)> {
+        let table = |(i, &cell): (usize, &Cell)| {
+            let table = match self {
+                Occluders::Fuzzy(fuzzy) => {
+                    let around = touched.around.get(i).copied().unwrap_or_else(|| fuzzy.around(level, cell));
+                    around.iter().flat_map(Around::table).collect()
+                }
+                Occluders::Hard(hard) => Direction::ALL.iter().map(|d| hard.table(level, cell, *d, n)).collect(),
+                Occluders::Mirrored(mirrored) => {
+                    Direction::ALL.iter().map(|d| mirrored.table(level, cell, d.axis())).collect()
+                }
+            };
+            (cell, table)
+        };
+        touched.cells.iter().enumerate().map(table).collect()
+    }
+
     /// The cells of an n³ level whose light depends on an occluder; the others receive what they would
     /// without any.
     pub fn touched(&self, level: usize, n: usize) -> Touched<T> {
         let is_touched = |cell: &Cell| match self {
             Occluders::Fuzzy(fuzzy) => fuzzy.touches(level, *cell),
-            Occluders::Mirrored(mirrored) => mirrored.geometry.opacity(level, *cell) != T::ZERO,
+            Occluders::Mirrored(mirrored) => mirrored.geometry.is_occupied(level, *cell),
             Occluders::Hard(hard) => hard.touches(level, *cell, n),
         };
         let cells: Vec<Cell> = Layout::new(n).cells().filter(is_touched).collect();
@@ -106,6 +127,18 @@ impl<T: Real> Occluders<T> {
     }
 }
 
+impl<T> Touched<T> {
+    /// Bytes that a cell takes.
+    pub const CELL: usize = size_of::<Cell>();
+    /// Bytes that what lies around it takes, for fuzzy occluders.
+    pub const AROUND: usize = size_of::<[Around<T>; 6]>();
+
+    /// Bytes that they take.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.cells.as_slice()) + size_of_val(self.around.as_slice())
+    }
+}
+
 /// The cells of a level whose light depends on an occluder.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Touched<T> {
@@ -114,22 +147,36 @@ pub struct Touched<T> {
     around: Vec<[Around<T>; 6]>,
 }
 
-/// The light of the neighbour from which light in direction `d` enters `cell`; none outside the grid.
-pub(super) fn sender<T: Real>(source: &Grid<T>, cell: Cell, d: Direction) -> Sh<T> {
-    d.opposite().neighbour(cell, source.side()).map_or(Sh::ZERO, |sender| source.get(sender))
-}
-
 impl<T: Real> Mirrored<T> {
+    /// The share of light along `axis` that passes a cell, and what it mirrors of red, green and blue.
+    fn table(&self, level: usize, cell: Cell, axis: usize) -> [T; 4] {
+        let occupied = self.geometry.opacity(level, cell, axis);
+        let [red, green, blue] = [0, 1, 2].map(|colour| occupied * self.geometry.albedo(level, cell, colour));
+        [T::of(1.0) - occupied, red, green, blue]
+    }
+
     fn receive(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, cell: Cell, d: usize) -> Sh<T> {
         let direction = Direction::ALL[d];
         let sent = stencil.send(d, sender(source, cell, direction));
-        let occupied = self.geometry.opacity(which.level, cell);
+        let occupied = self.geometry.opacity(which.level, cell, direction.axis());
         let reflected = occupied * self.geometry.albedo(which.level, cell, which.colour);
         sent * (T::of(1.0) - occupied) + sent.mirrored(direction.axis()) * reflected
     }
 }
 
 impl<T: Real> Hard<T> {
+    /// The share of light along `direction` that passes a cell, and what the next cell sends back of red, green and
+    /// blue.
+    fn table(&self, level: usize, cell: Cell, direction: Direction, n: usize) -> [T; 4] {
+        let passes = |cell| self.barrier.passes(level, cell, direction.axis());
+        let reflected = |colour| {
+            direction.neighbour(cell, n).map_or(T::ZERO, |next| {
+                (T::of(1.0) - passes(next)) * self.geometry.albedo(level, next, colour) * self.bounce
+            })
+        };
+        [passes(cell), reflected(0), reflected(1), reflected(2)]
+    }
+
     /// Whether the cell or a neighbour holds light up.
     fn touches(&self, level: usize, cell: Cell, n: usize) -> bool {
         let is_open = |cell| (0..3).all(|axis| self.barrier.passes(level, cell, axis) == T::of(1.0));
@@ -163,13 +210,13 @@ mod tests {
     use crate::transport::lattice::schemes::{cascaded, reflective};
     use glam::DVec3;
 
-    const RED: Which = Which { level: 0, colour: 0 };
+    const RED: Which = Which { level: 0, colour: 0, blocks: true };
     const N: usize = 8;
 
     /// A wall at x = 4 that faces −X, for red light of albedo 0.5.
     fn wall(opacity: f64) -> Vec<Solid> {
         let cells = Grid::<f64>::new(N).layout().cells().filter(|cell| cell[0] == 4);
-        let block = |cell| Solid { cell, normal: DVec3::NEG_X, opacity, albedo: [0.5, 0.0, 1.0] };
+        let block = |cell| Solid::new(cell, DVec3::NEG_X, opacity, [0.5, 0.0, 1.0]);
         cells.map(block).collect()
     }
 
@@ -233,10 +280,10 @@ mod tests {
             Occluders::Fuzzy(Fuzzy { geometry: geometry(&wall(1.0)), amplifier: 0.8, along_travel: false, bounce })
         };
         // The far corners of cell (4, 4, 4) hold the wall: G = L(−X), facing the light with G · Y(−X) = 3/4.
-        // Nothing lies on the near side, so nothing is occluded.
+        // Nothing lies on the near side, so nothing is occluded. The factor 3 has no part in it.
         let reflected = step(&fuzzy(0.6), &stencil).get([4, 4, 4]) - step(&fuzzy(0.0), &stencil).get([4, 4, 4]);
         let (far, sides) = flux_ahead();
-        let expected = Sh::lobe(DVec3::NEG_X) * (3.0 * 0.75 * (far + sides) * 4.8 * 0.5 * 0.6);
+        let expected = Sh::lobe(DVec3::NEG_X) * (0.75 * (far + sides) * 4.8 * 0.5 * 0.6);
         assert!((reflected - expected).max_norm() < 1e-14, "{reflected:?}, {expected:?}");
         assert_eq!(step(&fuzzy(0.6), &stencil).get([3, 5, 4]), step(&fuzzy(0.0), &stencil).get([3, 5, 4]));
     }

@@ -1,0 +1,27 @@
+//! What a camera or a surface sees: direct light with exact shadows, light sampled from cells, and the truth.
+//!
+//! - [`view`]: from pixels to rays. [`image`]: pictures of linear radiance and their files.
+//! - [`world`]: a mesh and its [lamps](lamp), as rays want them; direct light with exact shadows.
+//! - [`stage`]: a problem's mesh, lights and camera made ready, and what a run's light gives to its surfaces.
+//! - [`surface`]: patches of a surface, and what truly reaches them. [`cells`] and [`patch_light`]: what a volume says does.
+//! - [`seen`]: a picture of a scene whose reflected light somebody else knows.
+//! - [`truth`]: what light does in the scene itself, path traced ([`bounce`], [`estimate`], [`sampler`], [`sequence`]).
+
+pub mod bounce;
+pub mod cells;
+pub mod estimate;
+pub mod image;
+pub mod lamp;
+pub mod patch_light;
+pub mod rgb;
+pub mod sampler;
+pub mod seen;
+pub mod sequence;
+pub mod stage;
+pub mod surface;
+pub mod truth;
+pub mod view;
+pub mod world;
+
+#[cfg(test)]
+mod closed_forms;

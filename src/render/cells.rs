@@ -1,0 +1,231 @@
+//! From light in cells to light on a surface (000, 3.2.4; 001, 4.3).
+//!
+//! At p = 4 the accumulated light of a cell is the flux per steradian that passes *through* it. A cube of side s has
+//! 1.5·s² of area across a direction, in the mean over directions; so a surface with normal n in it gets
+//!
+//! ```text
+//! E = max(0, c·L(−n)) / (1.5·s²)
+//! ```
+//!
+//! which is right to 2 % for every n. Where c is taken from is [`Sampling`]. A level's cells hold the mean of the finest
+//! cells in them, so s is the finest cell's side for every level.
+
+use glam::DVec3;
+
+use super::rgb::Rgb;
+use crate::field::{Cell, Channels, Grid, Marks};
+use crate::scene::placement::Placement;
+use crate::sh::Sh;
+
+/// The mean area of a unit cube across a direction.
+const ACROSS: f64 = 1.5;
+/// How far off the surface the damped sample looks, in cells (NVIDIA's sample).
+const DAMPED_AT: f64 = 0.2;
+
+/// Where on the way to a surface its light is taken from the cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Sampling {
+    /// The cell that the surface lies in (000).
+    #[default]
+    Nearest,
+    /// Between the eight nearest cells (003).
+    Trilinear,
+    /// Between those of the eight nearest cells that a surface passes through (001, 4.3); the nearest cell where none
+    /// does.
+    Occupied,
+    /// Trilinear, times the cosine between the light's direction and the direction of its change along the normal
+    /// (NVIDIA's sample): light that gets stronger towards what is behind a surface came through it.
+    Damped,
+    /// The cell half a cell off the surface along its normal: before it, not in it.
+    Before,
+}
+
+impl Sampling {
+    /// All there are.
+    pub const ALL: [Sampling; 5] =
+        [Sampling::Nearest, Sampling::Trilinear, Sampling::Occupied, Sampling::Damped, Sampling::Before];
+
+    /// Its name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Sampling::Nearest => "nearest",
+            Sampling::Trilinear => "trilinear",
+            Sampling::Occupied => "occupied",
+            Sampling::Damped => "damped",
+            Sampling::Before => "before",
+        }
+    }
+}
+
+/// The light of a volume, ready to be sampled: a level of the accumulated light, or the merged light.
+#[derive(Clone, Copy, Debug)]
+pub struct Cells<'a> {
+    /// Each channel's light, of side n/2^i.
+    pub grids: &'a [&'a Grid<f32>],
+    /// How colours come from the channels.
+    pub channels: &'a Channels,
+    /// Where the finest cells lie.
+    pub placement: &'a Placement,
+    /// The finest cells that a surface passes through.
+    pub occupied: &'a Marks,
+    /// Where to sample.
+    pub sampling: Sampling,
+}
+
+impl Cells<'_> {
+    /// The irradiance [W/m²] of a surface at `at` with unit normal `normal`; none beyond the volume.
+    pub fn irradiance(&self, at: DVec3, normal: DVec3) -> Rgb {
+        let lobe = Sh::<f64>::lobe(-normal);
+        let scale = 1.0 / (ACROSS * self.placement.cell_side * self.placement.cell_side);
+        let by_channel = |grid: &&Grid<f32>| (self.sample(grid, at, normal).dot(lobe) * scale).max(0.0);
+        let mut channels = [0.0; 3];
+        self.grids.iter().zip(&mut channels).for_each(|(grid, e)| *e = by_channel(grid));
+        self.channels.rgb().map(|share| share.scale * channels[share.channel])
+    }
+
+    fn sample(&self, grid: &Grid<f32>, at: DVec3, normal: DVec3) -> Sh<f64> {
+        let coarse = grid.side() as f64 / self.placement.size as f64;
+        let place = |metres: DVec3| self.placement.in_cells(metres) * coarse;
+        let along = |cells: f64| place(at) + cells * normal;
+        match self.sampling {
+            Sampling::Nearest => nearest(grid, along(0.0)),
+            Sampling::Before => nearest(grid, along(0.5)),
+            Sampling::Trilinear => trilinear(grid, along(0.0), |_| true),
+            Sampling::Occupied => trilinear(grid, along(0.0), |cell| self.is_occupied(cell, coarse)),
+            Sampling::Damped => {
+                let here = trilinear(grid, along(0.0), |_| true);
+                let change = trilinear(grid, along(DAMPED_AT), |_| true).vector() - here.vector();
+                match (here.vector().try_normalize(), change.try_normalize()) {
+                    (Some(way), Some(change)) => here * way.dot(change).max(0.0),
+                    _ => here,
+                }
+            }
+        }
+    }
+
+    /// Whether a surface passes through a cell of a level that has `coarse` times the finest one's cells along a side.
+    fn is_occupied(&self, cell: Cell, coarse: f64) -> bool {
+        let width = (1.0 / coarse).round() as usize;
+        let first = cell.map(|c| c * width);
+        let inside = |i: usize| [i % width, i / width % width, i / (width * width)];
+        (0..width.pow(3)).map(inside).any(|[x, y, z]| self.occupied.get([first[0] + x, first[1] + y, first[2] + z]))
+    }
+}
+
+/// The light of the cell that holds a place, in cells; a place on the volume's upper border is in the last one.
+fn nearest(grid: &Grid<f32>, place: DVec3) -> Sh<f64> {
+    cell_of(place, grid.side()).map_or(Sh::ZERO, |cell| grid.get(cell).widen())
+}
+
+/// The cell that holds a place in cells, borders as [`crate::mesh::cut`] has them.
+pub fn cell_of(place: DVec3, side: usize) -> Option<Cell> {
+    const ROUNDING: f64 = 1e-6;
+    let last = side as f64;
+    let inside = place.cmpge(DVec3::splat(-ROUNDING)).all() && place.cmple(DVec3::splat(last + ROUNDING)).all();
+    inside.then(|| place.to_array().map(|c| ((c + ROUNDING).max(0.0) as usize).min(side - 1)))
+}
+
+/// Between the middles of the eight nearest cells that count; beyond the outermost middles light goes on as it is.
+fn trilinear(grid: &Grid<f32>, place: DVec3, counts: impl Fn(Cell) -> bool) -> Sh<f64> {
+    let side = grid.side();
+    if cell_of(place, side).is_none() {
+        return Sh::ZERO;
+    }
+    let place = (place - 0.5).clamp(DVec3::ZERO, DVec3::splat(side as f64 - 1.0));
+    let low = place.floor();
+    let part = place - low;
+    let (mut sum, mut weights) = (Sh::ZERO, 0.0);
+    for corner in 0..8usize {
+        let upper = |axis: usize| corner >> axis & 1;
+        let cell: Cell = std::array::from_fn(|axis| (low[axis] as usize + upper(axis)).min(side - 1));
+        let along = |axis: usize| if upper(axis) == 1 { part[axis] } else { 1.0 - part[axis] };
+        let weight = along(0) * along(1) * along(2);
+        if weight > 0.0 && counts(cell) {
+            sum = sum + grid.get(cell).widen() * weight;
+            weights += weight;
+        }
+    }
+    if weights > 0.0 { sum * (1.0 / weights) } else { nearest(grid, place + 0.5) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sh::{K0, K1, LOBE0};
+    use std::f64::consts::PI;
+
+    fn placement() -> Placement {
+        Placement { origin: DVec3::new(-1.0, 2.0, 0.0), cell_side: 0.5, size: 8 }
+    }
+
+    fn irradiance(grid: &Grid<f32>, occupied: &[Cell], sampling: Sampling, at: DVec3, normal: DVec3) -> Rgb {
+        let mut marks = Marks::new(8);
+        occupied.iter().for_each(|cell| marks.set(*cell));
+        let channels = Channels::of_colors(&[[1.0, 0.5, 0.0]]);
+        let placement = placement();
+        Cells { grids: &[grid], channels: &channels, placement: &placement, occupied: &marks, sampling }
+            .irradiance(at, normal)
+    }
+
+    fn even(light: Sh<f64>) -> Grid<f32> {
+        let mut grid = Grid::new(8);
+        grid.layout().cells().for_each(|cell| grid.set(cell, light.cast()));
+        grid
+    }
+
+    #[test]
+    fn an_even_field_gives_its_irradiance_however_it_is_sampled() {
+        // Radiance 1 from everywhere is an irradiance of π; a cell then passes 1.5·s² to each direction.
+        let intensity = 1.5 * 0.25;
+        let grid = even(Sh([intensity / K0, 0.0, 0.0, 0.0]));
+        for sampling in Sampling::ALL {
+            let e = irradiance(&grid, &[], sampling, DVec3::new(0.6, 3.1, 1.2), DVec3::new(0.6, 0.0, 0.8));
+            assert!((e[0] - PI).abs() < 1e-6 && (e[1] - PI / 2.0).abs() < 1e-6 && e[2] == 0.0, "{sampling:?}: {e:?}");
+        }
+    }
+
+    #[test]
+    fn light_from_behind_gives_nothing_and_from_before_all() {
+        let grid = even(Sh::lobe(DVec3::X));
+        let at = DVec3::new(0.6, 3.1, 1.2);
+        assert_eq!(irradiance(&grid, &[], Sampling::Nearest, at, DVec3::X), [0.0; 3]);
+        let wanted = (LOBE0 * LOBE0 + (K1 * 2.0 * PI / 3.0).powi(2)) / (1.5 * 0.25);
+        assert!((irradiance(&grid, &[], Sampling::Nearest, at, DVec3::NEG_X)[0] - wanted).abs() < 1e-6);
+    }
+
+    #[test]
+    fn each_sampling_looks_where_it_says() {
+        // Light that grows with x; a surface at the border of cells 3 and 4, facing −x.
+        let mut grid = Grid::new(8);
+        for cell in grid.layout().cells() {
+            grid.set(cell, (Sh([1.0, 0.0, 0.0, 0.0]) * cell[0] as f64).cast());
+        }
+        let at = placement().in_metres(DVec3::new(4.0, 2.5, 2.5));
+        let of = |sampling, occupied: &[Cell]| {
+            irradiance(&grid, occupied, sampling, at, DVec3::NEG_X)[0] / (LOBE0 / (1.5 * 0.25))
+        };
+        let close = |found: f64, wanted: f64| assert!((found - wanted).abs() < 1e-6, "{found}, {wanted}");
+        close(of(Sampling::Nearest, &[]), 4.0);
+        close(of(Sampling::Before, &[]), 3.0);
+        close(of(Sampling::Trilinear, &[]), 3.5);
+        close(of(Sampling::Occupied, &[[3, 2, 2]]), 3.0);
+        close(of(Sampling::Occupied, &[[7, 7, 7]]), 4.0);
+        assert_eq!(irradiance(&grid, &[], Sampling::Nearest, DVec3::ZERO, DVec3::X), [0.0; 3], "beyond the volume");
+    }
+
+    #[test]
+    fn damping_takes_away_what_grows_stronger_behind_a_surface() {
+        let ramp = |slope: f64| {
+            let mut grid = Grid::new(8);
+            for cell in grid.layout().cells() {
+                grid.set(cell, (Sh::lobe(DVec3::X) * (8.0 + slope * cell[0] as f64)).cast());
+            }
+            grid
+        };
+        let at = DVec3::new(0.6, 3.1, 1.2);
+        // The surface faces −x, light travels along +x.
+        let of = |slope| irradiance(&ramp(slope), &[], Sampling::Damped, at, DVec3::NEG_X)[0];
+        assert!(of(-1.0) > 0.0);
+        assert_eq!(of(1.0), 0.0);
+    }
+}

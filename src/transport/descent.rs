@@ -1,0 +1,88 @@
+//! From coarse to fine: the coarse levels start the fine ones.
+//!
+//! Light gets one cell further an iteration, so a fine volume needs as many iterations as light travels cells. The thesis
+//! hoped that an octree would do with few (000, 4.2 and 7.1). It does if the coarse levels hand down what they know:
+//!
+//! ```text
+//! for each level j, from the coarsest to the finest:
+//!     the leaves of the stage, none finer than j                       partition
+//!     the moved light q, filtered to level j                           lattice::exact::filter
+//!     start from the coarser solution, sampled, then averaged          lattice::exact::sampling
+//!     k iterations, ahead                                              lattice::exact::leaves
+//! ```
+//!
+//! On the coarsest level a cell or two are solved in a few iterations; every finer one has to mend only what the
+//! coarser one could not know. That is a full multigrid cycle without the way back: there is nothing to hand up, as
+//! every level has its source from the scene itself and an operator that agrees with the others'.
+//!
+//! All the light is A = S + B ([`crate::transport::lattice::exact`]): the injected light S stays where it is, and B is
+//! what is solved for. On the leaves of a stage the accumulated light is B and the mean of S.
+//!
+//! An iteration changes B by a correction, and the next one is the operator applied to it. So the source and target
+//! of a stage are its corrections, as a uniform volume's are its snapshots.
+
+#[cfg(test)]
+mod conformance;
+mod course;
+mod head;
+pub mod partition;
+mod sample;
+mod solids;
+mod staged;
+
+pub use course::{Descent, Grids};
+pub use partition::Tiling;
+pub use solids::Solids;
+
+use std::sync::Arc;
+
+use super::kind::{Kind, Setup, Transport};
+use super::lattice::linear::linear_form;
+use super::lattice::schemes;
+use super::lattice::stencil::Stencil;
+use super::lattice::{self, exact};
+use super::refusal::Refusal;
+use crate::field::{Levels, Marks};
+use crate::scene::Problem;
+use crate::scene::propagation::descent::Descent as Asked;
+use crate::sh::Real;
+use staged::Staged;
+
+/// Every scheme as a kind of transport, which descends where a problem asks for it.
+pub fn kinds() -> Vec<Kind> {
+    let kinds = lattice::kinds().into_iter();
+    kinds.map(|kind| Kind { bytes, single: made::<f32>, double: Some(made::<f64>), ..kind }).collect()
+}
+
+fn made<T: Real>(setup: &Setup) -> Result<Box<dyn Transport<T>>, Refusal> {
+    match setup.problem.propagation.descent {
+        Asked::Off => lattice::Lattice::made(setup),
+        _ => Ok(Box::new(Staged::new(setup)?)),
+    }
+}
+
+/// Bytes that a descent keeps beside the state, about: the source of every stage, and a quarter of that for leaves and
+/// their neighbours; or what a lattice keeps.
+fn bytes(problem: &Problem, sizes: Levels, channels: usize, number: usize) -> u64 {
+    if problem.propagation.descent == Asked::Off {
+        return lattice::bytes(problem, sizes, channels, number);
+    }
+    let light = 4 * number as u64 * sizes.cells() as u64;
+    light * channels as u64 + light / 4
+}
+
+/// The descent that a problem asks for, over levels of these sizes.
+pub fn of_problem<T: Real>(problem: &Problem, sizes: Levels) -> Result<Descent<T>, Refusal> {
+    let propagation = &problem.propagation;
+    let (form, share) = linear_form::<T>(problem, "a descent")?;
+    exact::residence(&share, propagation.factor, sizes.count())?;
+    let tiling = Tiling::of(propagation.descent).unwrap_or(Tiling::Cells);
+    let solids = lattice::occlusion::hard(problem, sizes).zip(schemes::find(&propagation.scheme));
+    let solids = solids.map(|(hard, scheme)| {
+        let mut occupied = Marks::new(sizes.finest());
+        problem.solids.iter().for_each(|solid| occupied.set(solid.cell));
+        let stencil = Stencil::new(&scheme, propagation.factor, propagation.clamp);
+        Arc::new(Solids { hard, occupied, stencil })
+    });
+    Ok(Descent::among(sizes, tiling, (form, share), propagation.snapshots, solids))
+}

@@ -1,0 +1,175 @@
+//! What must be true of a descent, against fixed points that are known.
+
+use glam::DVec3;
+
+use super::partition::Tiling;
+use super::{Descent, Grids};
+use crate::field::{Cell, Grid, Levels, Octree};
+use crate::scene::propagation::Snapshots;
+use crate::scene::propagation::descent::Inside;
+use crate::sh::{Real, Sh};
+use crate::transport::lattice::kernel::form::Form;
+use crate::transport::lattice::schemes::cascaded;
+use crate::transport::lattice::stencil::Stencil;
+
+/// Merged light after `k` iterations of every stage.
+fn descend<T: Real>(source: &Grid<T>, factor: f64, tiling: Tiling, k: usize, inside: Inside) -> Grid<T> {
+    let sizes = Levels::new(source.side(), 1).unwrap();
+    let form = Form::of(&Stencil::<T>::new(&cascaded::scheme(), factor, true)).unwrap();
+    let share = Form::of(&Stencil::<f64>::new(&cascaded::scheme(), factor, false)).unwrap().share;
+    let mut descent = Descent::new(sizes, tiling, form, share, Snapshots::Thesis);
+    let (mut a, mut b, mut c) = (Octree::new(sizes), Octree::new(sizes), Octree::new(sizes));
+    let mut grids = Grids { source: &mut a, target: &mut b, accumulated: &mut c };
+    descent.take_up(&[source]);
+    descent.run(k, &mut grids);
+    let mut merged = Grid::new(source.side());
+    descent.sample(0, inside, &c, &mut merged);
+    merged
+}
+
+fn with_lobes<T: Real>(n: usize, lobes: impl IntoIterator<Item = (Cell, DVec3)>) -> Grid<T> {
+    let mut grid = Grid::new(n);
+    lobes.into_iter().for_each(|(cell, direction)| grid.add(cell, Sh::lobe(direction)));
+    grid
+}
+
+fn mixed<T: Real>() -> Grid<T> {
+    let floor = (0..256).map(|i| ([i % 16, 0, i / 16], DVec3::Y));
+    let screen = (4..=11).flat_map(|x| (4..=13).map(move |y| ([x, y, 6], DVec3::NEG_Z)));
+    with_lobes(16, floor.chain(screen))
+}
+
+/// Cells of a published fixed point.
+fn golden(text: &str) -> Vec<(Cell, Sh<f64>)> {
+    let row = |line: &str| {
+        let numbers: Vec<f64> = line.split(',').map(|n| n.parse().unwrap()).collect();
+        let cell = [0, 1, 2].map(|k| numbers[k] as usize);
+        (cell, Sh::from_basis([3, 4, 5, 6].map(|k| numbers[k])))
+    };
+    text.lines().skip(1).map(row).collect()
+}
+
+/// Σ‖O − Ô‖∞/Σ‖Ô‖∞
+fn l1<T: Real>(found: &Grid<T>, wanted: impl IntoIterator<Item = (Cell, Sh<f64>)>) -> f64 {
+    let (mut off, mut all) = (0.0, 0.0);
+    for (cell, wanted) in wanted {
+        off += (found.get(cell).widen() - wanted).max_norm();
+        all += wanted.max_norm();
+    }
+    off / all
+}
+
+#[test]
+fn many_iterations_of_every_stage_reach_the_published_fixed_points() {
+    let lobe = || with_lobes::<f64>(16, [([8, 8, 8], DVec3::X)]);
+    for (source, factor, text) in [
+        (lobe(), 3.0, include_str!("../../../tests/golden/ref64_lobe_p3_fixedpoint_16c.csv")),
+        (lobe(), 3.8, include_str!("../../../tests/golden/ref64_lobe_p3.8_fixedpoint_16c.csv")),
+        (mixed(), 3.8, include_str!("../../../tests/golden/ref64_mixed_p3.8_fixedpoint_16c.csv")),
+    ] {
+        let wanted = golden(text);
+        assert!(wanted.len() > 4000);
+        let found = descend(&source, factor, Tiling::Cells, 400, Inside::Exponential);
+        let most = wanted.iter().map(|(_, light)| light.max_norm()).fold(0.0, f64::max);
+        for (cell, light) in &wanted {
+            let off = (found.get(*cell) - *light).max_norm();
+            assert!(off < 1e-8 * most, "p = {factor}, {cell:?}: {off:e}");
+        }
+    }
+}
+
+#[test]
+fn four_iterations_of_every_stage_are_near_the_fixed_point() {
+    let lobe = || with_lobes::<f32>(16, [([8, 8, 8], DVec3::X)]);
+    for (source, factor, text) in [
+        (lobe(), 3.0, include_str!("../../../tests/golden/ref64_lobe_p3_fixedpoint_16c.csv")),
+        (lobe(), 3.8, include_str!("../../../tests/golden/ref64_lobe_p3.8_fixedpoint_16c.csv")),
+        (mixed(), 3.8, include_str!("../../../tests/golden/ref64_mixed_p3.8_fixedpoint_16c.csv")),
+    ] {
+        for (tiling, most) in
+            [(Tiling::Cells, 0.05), (Tiling::Leaves { distance: 3.0 }, 0.07), (Tiling::Leaves { distance: 2.0 }, 0.13)]
+        {
+            let found = descend(&source, factor, tiling, 4, Inside::Exponential);
+            let error = l1(&found, golden(text));
+            assert!(error < most, "p = {factor}, {tiling:?}: {error}");
+        }
+    }
+}
+
+#[test]
+fn what_leaves_hold_inside_matters() {
+    let source = with_lobes::<f64>(16, [([8, 8, 8], DVec3::X)]);
+    let wanted = golden(include_str!("../../../tests/golden/ref64_lobe_p3.8_fixedpoint_16c.csv"));
+    let error =
+        |inside| l1(&descend(&source, 3.8, Tiling::Leaves { distance: 2.0 }, 4, inside), wanted.iter().copied());
+    assert!(error(Inside::Constant) > 2.0 * error(Inside::Exponential));
+}
+
+#[test]
+fn a_single_level_is_the_uniform_volume_to_the_bit() {
+    let sizes = Levels::new(16, 16).unwrap();
+    let form = Form::of(&Stencil::<f32>::new(&cascaded::scheme(), 3.8, true)).unwrap();
+    let share = Form::of(&Stencil::<f64>::new(&cascaded::scheme(), 3.8, false)).unwrap().share;
+    let source = mixed::<f32>();
+    let mut descent = Descent::new(sizes, Tiling::Cells, form, share, Snapshots::Thesis);
+    let (mut a, mut b, mut c) = (Octree::new(sizes), Octree::new(sizes), Octree::new(sizes));
+    let mut grids = Grids { source: &mut a, target: &mut b, accumulated: &mut c };
+    descent.take_up(&[&source]);
+    descent.enter(0, &mut grids);
+    let mut snapshot = crate::transport::lattice::kernel::step::once(&form, source);
+    assert!(grids.source.level(0) == &snapshot);
+    // From there on light is in the cone, and clamped and linear loops differ in rounding alone.
+    descent.iterate(0, &mut grids);
+    snapshot = crate::transport::lattice::kernel::step::once(&form, snapshot);
+    let most = snapshot.iter().map(|(_, light)| light.max_norm()).fold(0.0, f32::max);
+    for (cell, light) in grids.source.level(0).iter() {
+        assert!((light - snapshot.get(cell)).max_norm() < 1e-6 * most, "{cell:?}");
+    }
+}
+
+#[test]
+fn light_taken_up_anew_starts_from_the_dark() {
+    let source = with_lobes::<f64>(16, [([3, 8, 12], DVec3::Y)]);
+    let once = descend(&source, 3.0, Tiling::Leaves { distance: 2.0 }, 3, Inside::Exponential);
+    let sizes = Levels::new(16, 1).unwrap();
+    let form = Form::of(&Stencil::<f64>::new(&cascaded::scheme(), 3.0, true)).unwrap();
+    let mut descent = Descent::new(sizes, Tiling::Leaves { distance: 2.0 }, form, form.share, Snapshots::Thesis);
+    let (mut a, mut b, mut c) = (Octree::new(sizes), Octree::new(sizes), Octree::new(sizes));
+    let mut grids = Grids { source: &mut a, target: &mut b, accumulated: &mut c };
+    for light in [&mixed(), &source] {
+        descent.take_up(&[light]);
+        descent.run(3, &mut grids);
+    }
+    let mut merged = Grid::new(16);
+    descent.sample(0, Inside::Exponential, &c, &mut merged);
+    assert!(merged == once);
+}
+
+#[test]
+fn light_that_has_moved_already_is_a_better_start_than_the_dark() {
+    let sizes = Levels::new(16, 16).unwrap();
+    let form = Form::of(&Stencil::<f64>::new(&cascaded::scheme(), 3.8, true)).unwrap();
+    let share = Form::of(&Stencil::<f64>::new(&cascaded::scheme(), 3.8, false)).unwrap().share;
+    let wanted = golden(include_str!("../../../tests/golden/ref64_lobe_p3.8_fixedpoint_16c.csv"));
+    let source = with_lobes::<f64>(16, [([8, 8, 8], DVec3::X)]);
+    // What a lobe one cell further left, without that lobe itself.
+    let beside = with_lobes::<f64>(16, [([8, 8, 9], DVec3::X)]);
+    let mut before = descend(&beside, 3.8, Tiling::Cells, 300, Inside::Exponential);
+    before.add([8, 8, 9], Sh::lobe(DVec3::X) * -1.0);
+    let error = |start: Option<&Grid<f64>>, k: usize| {
+        let mut descent = Descent::new(sizes, Tiling::Cells, form, share, Snapshots::Thesis);
+        let (mut a, mut b, mut c) = (Octree::new(sizes), Octree::new(sizes), Octree::new(sizes));
+        let mut grids = Grids { source: &mut a, target: &mut b, accumulated: &mut c };
+        descent.take_up(&[&source]);
+        descent.skip_to_finest();
+        match start {
+            Some(start) => descent.resume(0, start, &mut grids),
+            None => descent.enter(0, &mut grids),
+        }
+        (1..k).for_each(|_| descent.iterate(0, &mut grids));
+        l1(grids.accumulated.level(0), wanted.iter().copied())
+    };
+    assert!(error(Some(&before), 4) < error(None, 12), "{}, {}", error(Some(&before), 4), error(None, 12));
+    // Both lead to the same light.
+    assert!(error(Some(&before), 400) < 1e-8 && error(None, 400) < 1e-8);
+}

@@ -1,0 +1,243 @@
+//! Which cells of an octree are leaves, at every stage of a descent.
+//!
+//! Light is hard to tell from few numbers next to where it was injected, and smooth far away. So a block of level i is
+//! split while it is near to injected light: while its nearest finest cell is less than r·2^(i−1) cells away along the
+//! axis where it is farthest (a Chebyshev distance, 0 inside the block). From r = 2 on, leaves that touch, be it at a
+//! corner, differ by one level at most, and all light that has moved one step lies in the finest leaves of every stage.
+//!
+//! Stage j has no leaf finer than level j: what would be finer is a leaf of level j.
+
+use crate::field::{Levels, Marks, row_mask};
+use crate::scene::propagation::descent::Descent;
+
+/// What the volume is cut into.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tiling {
+    /// All cells of one level at a time.
+    Cells,
+    /// Leaves that are fine near injected light; the distance r is 2 or more.
+    Leaves {
+        /// How many times half its width a block must be away from injected light to stay whole.
+        distance: f64,
+    },
+}
+
+impl Tiling {
+    /// What a preset asks for; `None` if it asks for no descent.
+    pub fn of(descent: Descent) -> Option<Tiling> {
+        match descent {
+            Descent::Off => None,
+            Descent::Cells => Some(Tiling::Cells),
+            Descent::Leaves { distance } => Some(Tiling::Leaves { distance }),
+        }
+    }
+}
+
+/// The leaves of every stage, from the coarsest level to the finest: for each the marks of all levels, the finest
+/// first. `lit` are the cells of level 0 that light was injected into.
+pub fn stages(sizes: Levels, tiling: Tiling, lit: &Marks) -> Vec<Vec<Marks>> {
+    let count = sizes.count();
+    let split = splits(sizes, tiling, lit);
+    // The cells whose parent is split; all on the coarsest level.
+    let mut present = vec![filled(sizes.side(count - 1))];
+    for i in (0..count - 1).rev() {
+        let parents = &split[i];
+        present.insert(0, children(parents));
+    }
+    let leaves = |i: usize| match i.checked_sub(1) {
+        Some(below) => without(&present[i], &split[below]),
+        None => present[0].clone(),
+    };
+    let level = |j: usize, i: usize| match i.cmp(&j) {
+        std::cmp::Ordering::Less => Marks::new(sizes.side(i)),
+        std::cmp::Ordering::Equal => present[i].clone(),
+        std::cmp::Ordering::Greater => leaves(i),
+    };
+    (0..count).rev().map(|j| (0..count).map(|i| level(j, i)).collect()).collect()
+}
+
+/// The blocks that are split, from level 1 on.
+fn splits(sizes: Levels, tiling: Tiling, lit: &Marks) -> Vec<Marks> {
+    let Tiling::Leaves { distance } = tiling else {
+        return (1..sizes.count()).map(|i| filled(sizes.side(i))).collect();
+    };
+    let (mut near, mut reach) = (lit.clone(), 0);
+    let level = |i: usize| {
+        // The largest whole distance below r·2^(i−1).
+        let wanted = ((distance * f64::from(1u32 << (i - 1))).ceil() as usize).saturating_sub(1).min(sizes.finest());
+        near = widened(&near, wanted - reach);
+        reach = wanted;
+        (0..i).fold(near.clone(), |marks, _| marks.parents())
+    };
+    (1..sizes.count()).map(level).collect()
+}
+
+/// All cells of a grid.
+fn filled(n: usize) -> Marks {
+    let mut marks = Marks::new(n);
+    marks.words_mut().fill(row_mask(n));
+    marks
+}
+
+/// The cells of one set that are not in the other.
+fn without(marks: &Marks, others: &Marks) -> Marks {
+    let mut left = marks.clone();
+    left.words_mut().iter_mut().zip(others.words()).for_each(|(word, other)| *word &= !other);
+    left
+}
+
+/// The eight children of every marked cell, in a grid of twice the side.
+fn children(marks: &Marks) -> Marks {
+    let (n, per_row) = (marks.side(), marks.words_per_row());
+    let mut children = Marks::new(2 * n);
+    let wide = children.words_per_row();
+    for (row, words) in marks.words().chunks_exact(per_row).enumerate() {
+        let (y, z) = (row % n, row / n);
+        for below in [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dy, dz)| (2 * z + dz) * 2 * n + 2 * y + dy) {
+            for (w, to) in children.words_mut()[below * wide..][..wide].iter_mut().enumerate() {
+                *to = twice((words[w / 2] >> (32 * (w % 2))) as u32);
+            }
+        }
+    }
+    children
+}
+
+/// Every bit two times.
+fn twice(bits: u32) -> u64 {
+    let mut word = u64::from(bits);
+    for (shift, mask) in [
+        (16, 0x0000_ffff_0000_ffff),
+        (8, 0x00ff_00ff_00ff_00ff),
+        (4, 0x0f0f_0f0f_0f0f_0f0f),
+        (2, 0x3333_3333_3333_3333),
+        (1, 0x5555_5555_5555_5555),
+    ] {
+        word = (word | word << shift) & mask;
+    }
+    word | word << 1
+}
+
+/// All cells at most `by` away along each axis from a marked one.
+fn widened(marks: &Marks, by: usize) -> Marks {
+    let (n, per_row) = (marks.side(), marks.words_per_row());
+    let mut near = marks.clone();
+    for axis in 0..3 {
+        let mut reach = 0;
+        while reach < by {
+            // Two copies beside what is covered leave no gap up to this far, even where a part of it lies outside.
+            let step = (reach + 1).min(by - reach);
+            let before = near.clone();
+            let rows = |row: usize, other: Option<usize>, near: &mut Marks| {
+                let Some(other) = other else { return };
+                let from = &before.words()[other * per_row..][..per_row];
+                near.words_mut()[row * per_row..][..per_row].iter_mut().zip(from).for_each(|(to, from)| *to |= from);
+            };
+            for row in 0..n * n {
+                let (y, z) = (row % n, row / n);
+                match axis {
+                    0 => smear(
+                        &before.words()[row * per_row..][..per_row],
+                        step,
+                        n,
+                        &mut near.words_mut()[row * per_row..][..per_row],
+                    ),
+                    1 => {
+                        rows(row, y.checked_sub(step).map(|y| z * n + y), &mut near);
+                        rows(row, Some(y + step).filter(|y| *y < n).map(|y| z * n + y), &mut near);
+                    }
+                    _ => {
+                        rows(row, z.checked_sub(step).map(|z| z * n + y), &mut near);
+                        rows(row, Some(z + step).filter(|z| *z < n).map(|z| z * n + y), &mut near);
+                    }
+                }
+            }
+            reach += step;
+        }
+    }
+    near
+}
+
+/// Adds to `to` a row of n bits moved by `step` both ways.
+fn smear(from: &[u64], step: usize, n: usize, to: &mut [u64]) {
+    let (words, bits) = (step / 64, step % 64);
+    let at = |w: Option<usize>| w.and_then(|w| from.get(w)).copied().unwrap_or(0);
+    for (w, to) in to.iter_mut().enumerate() {
+        let (low, high) = (at(w.checked_sub(words)), at(w.checked_sub(words + 1)));
+        let up = if bits == 0 { low } else { low << bits | high >> (64 - bits) };
+        let (near, far) = (at(Some(w + words)), at(Some(w + words + 1)));
+        let down = if bits == 0 { near } else { near >> bits | far << (64 - bits) };
+        *to = (*to | up | down) & row_mask(n);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::{Cell, Layout};
+
+    fn lit(n: usize, cells: impl IntoIterator<Item = Cell>) -> Marks {
+        let mut marks = Marks::new(n);
+        cells.into_iter().for_each(|cell| marks.set(cell));
+        marks
+    }
+
+    fn sizes(n: usize) -> Levels {
+        Levels::new(n, 1).unwrap()
+    }
+
+    fn updates(n: usize, distance: f64, lit: &Marks) -> usize {
+        stages(sizes(n), Tiling::Leaves { distance }, lit).iter().flatten().map(Marks::count).sum()
+    }
+
+    #[test]
+    fn so_many_cells_are_touched_by_one_iteration_of_every_stage() {
+        let walls = lit(32, (0..1024).flat_map(|i| [[0, i % 32, i / 32], [31, i % 32, i / 32]]));
+        let lobe = lit(32, [[16, 16, 16]]);
+        let floor = (0..1024).map(|i| [i % 32, 0, i / 32]);
+        let mixed = lit(32, floor.chain((0..128).map(|i| [4 + i % 8, 4 + i / 8, 6])));
+        for (marks, two, three) in [(&walls, 6313, 12361), (&lobe, 601, 2694), (&mixed, 5347, 8875)] {
+            assert_eq!((updates(32, 2.0, marks), updates(32, 3.0, marks)), (two, three));
+        }
+        let all: usize = stages(sizes(32), Tiling::Cells, &lobe).iter().flatten().map(Marks::count).sum();
+        assert_eq!(all, 37_449);
+    }
+
+    #[test]
+    fn every_stage_tiles_the_volume_once_and_leaves_that_touch_differ_by_one_level() {
+        let marks = lit(16, [[3, 9, 14], [0, 0, 0]]);
+        for distance in [2.0, 2.5, 3.0] {
+            for (stage, leaves) in stages(sizes(16), Tiling::Leaves { distance }, &marks).iter().enumerate() {
+                let level = |cell: Cell| {
+                    let holding = (0..leaves.len()).filter(|i| leaves[*i].get(cell.map(|c| c >> i)));
+                    let found: Vec<usize> = holding.collect();
+                    assert_eq!(found.len(), 1, "{cell:?} lies in {found:?}");
+                    found[0]
+                };
+                for cell in Layout::new(16).cells() {
+                    let here = level(cell);
+                    assert!(here + stage + 1 >= leaves.len(), "finer than its stage");
+                    for next in (0..27).map(|i| [i % 3, i / 3 % 3, i / 9]) {
+                        let next = [0, 1, 2].map(|k| (cell[k] + next[k]).clamp(1, 16) - 1);
+                        assert!(level(next).abs_diff(here) <= 1, "r = {distance}: {cell:?}, {next:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_near_is_found_along_all_axes_and_across_words() {
+        for (n, by) in [(16, 1), (16, 5), (128, 70)] {
+            let centre = [n / 2 + 3, n - 2, 1];
+            let near = widened(&lit(n, [centre]), by);
+            let expected = |cell: Cell| (0..3).all(|k| cell[k].abs_diff(centre[k]) <= by);
+            assert!(Layout::new(n).cells().all(|cell| near.get(cell) == expected(cell)), "n = {n}, {by}");
+        }
+    }
+
+    #[test]
+    fn without_light_the_coarsest_cells_stay_whole() {
+        let stages = stages(sizes(8), Tiling::Leaves { distance: 2.0 }, &Marks::new(8));
+        assert!(stages.iter().all(|leaves| leaves[3].count() == 1 && leaves[..3].iter().all(|m| m.count() == 0)));
+    }
+}

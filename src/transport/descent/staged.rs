@@ -1,0 +1,177 @@
+//! A descent as a transport: every action takes one iteration on the level it has come down to.
+//!
+//! The state's octrees show it. The accumulated light lies in the leaves of the stage; what coarser levels held is left
+//! where it is, and finer ones are dark until the light is handed down to them. The index volume marks the leaves, so
+//! every finest cell is sampled in the leaf it lies in.
+//!
+//! Light that is injected on the way is taken up together with what was injected before, and the descent starts anew.
+
+use std::sync::Arc;
+
+use super::course::{Descent, Grids};
+use crate::field::{Grid, Octree};
+use crate::scene::Problem;
+use crate::sh::Real;
+use crate::transport::divergence::{Divergence, limit};
+use crate::transport::kind::{Setup, Transport};
+use crate::transport::options::Work;
+use crate::transport::refusal::Refusal;
+use crate::transport::state::{Light, State};
+
+/// A descent on its way.
+#[derive(Clone, Debug)]
+pub struct Staged<T> {
+    problem: Arc<Problem>,
+    descent: Descent<T>,
+    /// Iterations of every stage.
+    each: usize,
+    /// How many of this stage are done.
+    done: usize,
+    ceiling: Ceiling,
+}
+
+/// What the light cannot exceed.
+#[derive(Clone, Copy, Debug)]
+struct Ceiling {
+    /// What an iteration multiplies the largest coefficient by, at most.
+    norm: f64,
+    injected: f64,
+    source: f64,
+    accumulated: f64,
+}
+
+impl Ceiling {
+    /// The same after an iteration; after the first of a stage if it `enters`.
+    fn next(self, enters: bool) -> Self {
+        // A leaf that is split hands at most eight times its mean to a child.
+        let before = if enters { 8.0 * self.accumulated } else { self.accumulated };
+        // Injected light takes up to four steps before the first iteration; what it was on the way stays.
+        let head = self.norm.powi(4) * self.injected;
+        let source = if enters { self.norm * (head + before) + before } else { self.norm * self.source };
+        Ceiling { source, accumulated: before + source + head, ..self }
+    }
+
+    fn fits(self, limit: f64) -> bool {
+        // Not true of NaN, which dark light times an infinite factor makes.
+        self.source <= limit && self.accumulated <= limit
+    }
+}
+
+impl<T: Real> Staged<T> {
+    /// For the descent of a problem.
+    pub fn new(setup: &Setup) -> Result<Self, Refusal> {
+        let Setup { problem, sizes, .. } = setup;
+        let descent: Descent<T> = super::of_problem(problem, *sizes)?;
+        let ceiling = Ceiling { norm: descent.norm(), injected: 0.0, source: 0.0, accumulated: 0.0 };
+        Ok(Staged {
+            each: problem.propagation.iterations.max(1),
+            problem: Arc::clone(problem),
+            descent,
+            done: 0,
+            ceiling,
+        })
+    }
+
+    /// Whether the next iteration is the first of a stage.
+    fn enters(&self) -> bool {
+        !self.descent.is_under_way() || (self.done >= self.each && self.descent.level() > 0)
+    }
+}
+
+impl<T: Real> Transport<T> for Staged<T> {
+    fn start(&mut self, _: &mut State<T>) {
+        self.descent.clear();
+        self.done = 0;
+        self.ceiling = Ceiling { injected: 0.0, source: 0.0, accumulated: 0.0, ..self.ceiling };
+    }
+
+    fn inject(&mut self, state: &mut State<T>) {
+        if self.descent.is_under_way() {
+            // What the source holds are corrections, not light to be sent.
+            for (channel, light) in state.lights.iter_mut().enumerate() {
+                let Light { source, target, accumulated, .. } = &mut *light;
+                [source, target, accumulated].into_iter().for_each(Octree::clear);
+                self.descent.put_back(channel, light.source.level_mut(0));
+            }
+            self.descent.clear();
+            self.done = 0;
+        }
+        self.ceiling.injected += state.inject(&self.problem, None);
+    }
+
+    fn downsample(&mut self, state: &mut State<T>) {
+        if !self.descent.is_under_way() {
+            state.downsample();
+        }
+    }
+
+    fn admit(&mut self, state: &State<T>) -> Result<(), Divergence> {
+        let (enters, limit) = (self.enters(), limit::<T>());
+        let mut next = self.ceiling.next(enters);
+        if !next.fits(limit) {
+            let largest = |octree: fn(&Light<T>) -> &Octree<T>| {
+                let lights = state.lights.iter().enumerate();
+                lights.map(|(channel, light)| self.descent.largest(channel, octree(light))).fold(0.0, f64::max)
+            };
+            let source = largest(|light| &light.source);
+            let accumulated = largest(|light| &light.accumulated);
+            next = Ceiling { source, accumulated, ..self.ceiling }.next(enters);
+            if !next.fits(limit) {
+                let level = self.descent.level();
+                let side = state.sizes().side(level);
+                let largest = source.max(accumulated);
+                return Err(Divergence { iteration: state.iteration + 1, level, side, largest });
+            }
+        }
+        self.ceiling = next;
+        Ok(())
+    }
+
+    fn step(&mut self, state: &mut State<T>) -> Work {
+        let enters = self.enters();
+        if !self.descent.is_under_way() {
+            let injected: Vec<&Grid<T>> = state.lights.iter().map(|light| light.source.level(0)).collect();
+            self.descent.take_up(&injected);
+            self.descent.starts_clean();
+        } else if enters {
+            self.descent.descend();
+        }
+        for (channel, light) in state.lights.iter_mut().enumerate() {
+            let Light { source, target, accumulated, .. } = light;
+            let mut grids = Grids { source, target, accumulated };
+            if enters {
+                self.descent.enter(channel, &mut grids);
+            } else {
+                self.descent.iterate(channel, &mut grids);
+            }
+        }
+        self.done = if enters { 1 } else { self.done + 1 };
+        state.iteration += 1;
+        let Some(leaves) = self.descent.leaves() else { return Work::default() };
+        if enters {
+            for i in leaves.levels() {
+                state.index.level_mut(i).clone_from(leaves.marks(i));
+            }
+        }
+        let channels = state.lights.len();
+        Work { visited: leaves.count() * channels, dark: 0, volume: state.sizes().cells() * channels }
+    }
+
+    fn sample(&self, state: &State<T>, channel: usize, merged: &mut Grid<T>) {
+        let accumulated = &state.lights[channel].accumulated;
+        if self.descent.is_under_way() {
+            let inside = self.problem.propagation.inside;
+            self.descent.sample(channel, inside, accumulated, merged);
+        } else {
+            state.index.merge(accumulated, merged);
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        self.descent.bytes()
+    }
+
+    fn boxed_clone(&self) -> Box<dyn Transport<T>> {
+        Box::new(self.clone())
+    }
+}

@@ -1,0 +1,86 @@
+//! The coarser levels of an octree under exact levels ([`super::exact`]), in step with the finest.
+//!
+//! The finest level is propagated as ever. In the first iteration after a downsampling its injected light S takes its
+//! first step there, clamps and all; what has moved is handed from level to level by the filter, and that is the first
+//! snapshot of each. From then on every level takes one finest step an iteration, by its own operator. So after k
+//! iterations each of them ought to hold the mean of what a uniform volume holds after k.
+
+use super::exact::decay::Decay;
+use super::exact::filter;
+use super::exact::leaves::{Leaves, Way};
+use super::exact::walls::{Open, Solid};
+use super::kernel::form::Share;
+use super::kernel::occluded::Hard;
+use crate::field::{Levels, Marks, Octree};
+use crate::sh::Real;
+use crate::transport::options::Work;
+use crate::transport::state::State;
+
+/// The operators of the coarser levels, and whether their light has still to move for the first time.
+#[derive(Clone, Debug)]
+pub(super) struct Coarse<T> {
+    decay: Decay,
+    /// By colour, if walls mirror them differently; each from level 1 on.
+    colours: Vec<Vec<Leaves<T>>>,
+    hard: Option<Hard<T>>,
+    /// Whether the coarser levels hold means of injected light, which has not moved yet.
+    at_rest: bool,
+}
+
+impl<T: Real> Coarse<T> {
+    /// For levels of these sizes, and so many colours; `share` is what one finest step sends to a neighbour, `hard` what
+    /// stands in its way.
+    pub(super) fn new(share: &Share<f64>, sizes: Levels, colours: usize, hard: Option<Hard<T>>) -> Self {
+        let level = |i: usize, colour: usize| match &hard {
+            None => Leaves::uniform(share, Way::InStep, i, sizes.side(i), &Open),
+            Some(hard) => Leaves::uniform(share, Way::InStep, i, sizes.side(i), &Solid { hard, colour }),
+        };
+        let colours = if hard.is_some() { colours } else { 1 };
+        let colours = (0..colours).map(|colour| (1..sizes.count()).map(|i| level(i, colour)).collect()).collect();
+        Coarse { decay: Decay::of(share), colours, hard, at_rest: true }
+    }
+
+    /// Takes note that the coarser levels were filled with means of the finest.
+    pub(super) fn rest(&mut self) {
+        self.at_rest = true;
+    }
+
+    /// One iteration of the coarser levels, after that of the finest, whose new light is in the source.
+    pub(super) fn step(&mut self, state: &mut State<T>) -> Work {
+        let volume = state.sizes().cells() * state.lights.len();
+        let finest = state.sizes().finest().pow(3) * state.lights.len();
+        let State { lights, index, .. } = state;
+        for (colour, light) in lights.iter_mut().enumerate() {
+            let levels = self.colours.get(colour).or(self.colours.first());
+            for (i, leaves) in (1..).zip(levels.into_iter().flatten()) {
+                if self.at_rest {
+                    self.hand_over(i, &light.source, &mut light.target);
+                } else {
+                    leaves.apply_level(i, |level| light.source.level(level), light.target.level_mut(i));
+                }
+                std::mem::swap(light.source.level_mut(i), light.target.level_mut(i));
+                light.accumulated.level_mut(i).add_grid(light.source.level(i));
+                index.level_mut(i).mark_lit(light.source.level(i));
+            }
+        }
+        self.at_rest = false;
+        Work { visited: volume - finest, dark: 0, volume }
+    }
+
+    /// Sets level `i` of the target to what the next finer level of the source has moved.
+    fn hand_over(&self, i: usize, source: &Octree<T>, target: &mut Octree<T>) {
+        let finer = source.level(i - 1);
+        let mut lit = Marks::new(finer.side());
+        lit.mark_lit(finer);
+        target.level_mut(i).clear();
+        filter::hand_over(&self.decay, 1 << i, finer, &lit, target.level_mut(i));
+        if let Some(hard) = &self.hard {
+            Solid { hard, colour: 0 }.darken(i, target.level_mut(i));
+        }
+    }
+
+    /// Bytes of memory it holds.
+    pub(super) fn bytes(&self) -> usize {
+        self.colours.iter().flatten().map(Leaves::bytes).sum()
+    }
+}

@@ -1,0 +1,36 @@
+//! A problem's scheme as exact levels and descents take it: in the form of the fast loops, and as what one step sends to
+//! a neighbour once no clamp acts.
+
+use super::kernel::form::{Form, Share};
+use super::schemes;
+use super::stencil::Stencil;
+use crate::scene::Problem;
+use crate::scene::occluder::{Accumulate, OcclusionMode};
+use crate::sh::Real;
+use crate::transport::refusal::Refusal;
+
+/// The scheme of `problem`; `what` is told where it cannot be had so.
+pub fn linear_form<T: Real>(problem: &Problem, what: &'static str) -> Result<(Form<T>, Share<f64>), Refusal> {
+    let propagation = &problem.propagation;
+    let scheme =
+        schemes::find(&propagation.scheme).ok_or_else(|| Refusal::unknown(&propagation.scheme, &schemes::names()))?;
+    let refused = |setting: &str, remedy| Err(Refusal::Underived { what, setting: setting.to_owned(), remedy });
+    if problem.has_occluders() && problem.occlusion.mode != OcclusionMode::Hard {
+        return refused("fuzzy occluders", "choose hard ones, or switch one of them off");
+    }
+    if problem.has_occluders() && problem.occlusion.accumulate != Accumulate::Everywhere {
+        return refused("light in occupied cells alone", "accumulate Everywhere");
+    }
+    let form = Form::of(&Stencil::<T>::new(&scheme, propagation.factor, propagation.clamp));
+    form.map(|form| (form, widened(form.share))).ok_or_else(|| {
+        let setting = format!("the scheme {}", propagation.scheme);
+        Refusal::Underived { what, setting, remedy: "use a scheme with one face ahead and four beside it" }
+    })
+}
+
+/// The numbers of a share in double precision.
+fn widened<T: Real>(share: Share<T>) -> Share<f64> {
+    let Share { alpha, beta, gamma, delta, epsilon } = share;
+    let [alpha, beta, gamma, delta, epsilon] = [alpha, beta, gamma, delta, epsilon].map(T::to_f64);
+    Share { alpha, beta, gamma, delta, epsilon }
+}

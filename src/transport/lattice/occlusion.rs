@@ -1,0 +1,146 @@
+//! What a problem's occluders are to a scheme: which kind of occluders, and from which iteration on.
+
+use super::active::grown;
+use super::barrier::Barrier;
+use super::geometry::Geometry;
+use super::kernel::occluded::{Fuzzy, Hard, Mirrored, Occluders, Touched};
+use super::scheme::{Scheme, Surface};
+use super::schemes;
+use crate::field::{IndexVolume, Layout, Levels, Marks, memory};
+use crate::scene::Problem;
+use crate::scene::occluder::{BlockingSign, OcclusionMode};
+use crate::sh::Real;
+
+/// The occluders of a scene as a scheme sees them.
+#[derive(Clone, Debug)]
+pub(super) struct Obstacles<T> {
+    pub(super) occluders: Occluders<T>,
+    /// The first iteration in which they stop light, counted from 1.
+    from_iteration: usize,
+    /// Whether they reflect light before that.
+    reflects: bool,
+    /// By level, the cells whose light depends on them.
+    pub(super) touched: Vec<Touched<T>>,
+}
+
+impl<T: Real> Obstacles<T> {
+    /// `None` where there are none.
+    pub(super) fn new(problem: &Problem, sizes: Levels, scheme: &Scheme) -> Option<Self> {
+        let occlusion = problem.occlusion;
+        if !problem.has_occluders() {
+            return None;
+        }
+        // Reflection is what a mirroring scheme is; in the others it is an extra that the preset asks for.
+        let mirrors = scheme.surface == Surface::Mirrored;
+        let between = occlusion.mode == OcclusionMode::Fuzzy && !mirrors;
+        let geometry = Geometry::new(sizes, if between { problem.blockers() } else { &problem.solids });
+        let (occluders, from_iteration) = match occlusion.mode {
+            OcclusionMode::Hard => {
+                let injected = problem.sources.iter().flat_map(|source| &source.light);
+                let barrier = Barrier::new(sizes, &problem.solids, injected.map(|(cell, _)| *cell));
+                let bounce = if mirrors { 1.0 } else { occlusion.bounce };
+                (Occluders::Hard(Hard { barrier, geometry, bounce: T::of(bounce) }), 0)
+            }
+            _ if mirrors => (Occluders::Mirrored(Mirrored { geometry }), 0),
+            _ => {
+                let fuzzy = Fuzzy {
+                    geometry,
+                    amplifier: T::of(occlusion.amplifier),
+                    along_travel: occlusion.sign == BlockingSign::AlongTravel,
+                    bounce: T::of(occlusion.bounce),
+                };
+                (Occluders::Fuzzy(fuzzy), occlusion.from_iteration)
+            }
+        };
+        let touched = (0..sizes.count()).map(|i| occluders.touched(i, sizes.side(i))).collect();
+        let reflects = matches!(&occluders, Occluders::Fuzzy(fuzzy) if fuzzy.bounce != T::ZERO);
+        Some(Obstacles { occluders, from_iteration, reflects, touched })
+    }
+
+    /// Itself, if they act in an iteration, counted from 1.
+    pub(super) fn acting(&self, iteration: usize) -> Option<&Self> {
+        (self.reflects || self.blocks(iteration)).then_some(self)
+    }
+
+    /// Whether they stop light in an iteration, counted from 1.
+    pub(super) fn blocks(&self, iteration: usize) -> bool {
+        iteration >= self.from_iteration
+    }
+
+    /// Sees to it that cells which hard occluders let no light enter are sampled at level 0.
+    pub(super) fn mark_shut(&self, index: &mut IndexVolume) {
+        if let Occluders::Hard(hard) = &self.occluders {
+            let marks = index.level_mut(0);
+            hard.barrier.shut().for_each(|cell| marks.set(cell));
+        }
+    }
+
+    /// Bytes that they take.
+    pub(super) fn bytes(&self) -> usize {
+        self.occluders.bytes() + self.touched.iter().map(Touched::bytes).sum::<usize>()
+    }
+}
+
+/// The hard occluders of a problem under its scheme, if it has such.
+pub(in crate::transport) fn hard<T: Real>(problem: &Problem, sizes: Levels) -> Option<Hard<T>> {
+    let scheme = schemes::find(&problem.propagation.scheme)?;
+    match Obstacles::new(problem, sizes, &scheme)?.occluders {
+        Occluders::Hard(hard) => Some(hard),
+        _ => None,
+    }
+}
+
+/// Bytes that the occluders of a problem will take on levels of these sizes, in numbers of so many bytes. On other
+/// levels than the problem's own the cells beside a surface count as so many times fewer or more.
+pub(super) fn bytes(problem: &Problem, scheme: &Scheme, sizes: Levels, number: usize) -> u64 {
+    if !problem.has_occluders() {
+        return 0;
+    }
+    let acts = match (problem.occlusion.mode, scheme.surface) {
+        (OcclusionMode::Hard, _) => Acts::Hard,
+        (_, Surface::Mirrored) => Acts::Mirrored,
+        _ => Acts::Fuzzy,
+    };
+    let scale = number as u64 / size_of::<f32>() as u64;
+    let geometry = 3 * scale * sizes.sides().map(memory::of_grid::<f32>).sum::<u64>();
+    let shrunk = (sizes.finest() as f64 / problem.size as f64).powi(2);
+    let touched: f64 = (0..sizes.count().min(problem.size.ilog2() as usize + 1))
+        .map(|level| touched_cells(problem, acts, level) as f64 * shrunk)
+        .sum();
+    let passages = if acts == Acts::Hard { sizes.cells() as u64 * 3 * number as u64 } else { 0 };
+    let around = if acts == Acts::Fuzzy { scale as usize * Touched::<f32>::AROUND } else { 0 };
+    let of_each = Touched::<f32>::CELL + around;
+    geometry + passages + (touched * of_each as f64) as u64
+}
+
+/// How occluders act, as far as it matters to memory.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Acts {
+    Hard,
+    Mirrored,
+    Fuzzy,
+}
+
+/// How many cells of a level are occupied, have an occupied cell at one of their corners, or beside them.
+fn touched_cells(problem: &Problem, acts: Acts, level: usize) -> usize {
+    let side = problem.size >> level;
+    let mut occupied = Marks::new(side);
+    let solids = if acts == Acts::Fuzzy { problem.blockers() } else { &problem.solids };
+    solids.iter().for_each(|solid| occupied.set(solid.cell.map(|c| c >> level)));
+    match acts {
+        Acts::Hard => return grown(&occupied).count(),
+        Acts::Mirrored => return occupied.count(),
+        Acts::Fuzzy => {}
+    }
+    // Corner g is shared by the cells g to g + (1, 1, 1).
+    let mut touched = Marks::new(side);
+    for cell in Layout::new(side).cells().filter(|cell| occupied.get(*cell)) {
+        for corner in 0..8 {
+            let [x, y, z] = [cell[0] + (corner & 1), cell[1] + (corner >> 1 & 1), cell[2] + (corner >> 2)];
+            if x < side && y < side && z < side {
+                touched.set([x, y, z]);
+            }
+        }
+    }
+    touched.count()
+}

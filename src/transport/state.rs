@@ -1,0 +1,154 @@
+//! What actions change: the light of every channel on every level, and where light has been.
+
+use crate::field::{Channels, Grid, IndexVolume, Levels, Marks, Octree};
+use crate::scene::Problem;
+use crate::scene::propagation::Snapshots;
+use crate::sh::Real;
+
+/// One channel of light in its three octrees.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light<T> {
+    /// What the next iteration propagates: S_k.
+    pub source: Octree<T>,
+    /// What the next iteration writes; until then S_{k−1}.
+    pub target: Octree<T>,
+    /// The running sum of the snapshots, S_A.
+    pub accumulated: Octree<T>,
+    /// S(x, y, z) of the accumulated octree, once merged.
+    pub merged: Option<Grid<T>>,
+}
+
+/// The light of a problem after some actions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State<T> {
+    /// The light of each channel.
+    pub lights: Vec<Light<T>>,
+    /// Which level to sample where.
+    pub index: IndexVolume,
+    /// Iterations since the last clear, k.
+    pub iteration: usize,
+    channels: Channels,
+}
+
+impl<T: Real> State<T> {
+    /// A dark state.
+    pub fn new(sizes: Levels, channels: Channels) -> Self {
+        let dark = || Octree::new(sizes);
+        let light = || Light { source: dark(), target: dark(), accumulated: dark(), merged: None };
+        let lights = (0..channels.count()).map(|_| light()).collect();
+        State { lights, index: IndexVolume::new(sizes), iteration: 0, channels }
+    }
+
+    /// The sizes of the levels.
+    pub fn sizes(&self) -> Levels {
+        self.index.sizes()
+    }
+
+    /// How colours come from the channels.
+    pub fn channels(&self) -> &Channels {
+        &self.channels
+    }
+
+    /// Makes everything dark, and forgets where light has been.
+    pub fn clear(&mut self) {
+        for light in &mut self.lights {
+            light.source.clear();
+            light.target.clear();
+            light.accumulated.clear();
+            light.merged = None;
+        }
+        self.index.clear();
+        self.iteration = 0;
+    }
+
+    /// Adds the light of `problem` to level 0 of the source, and of the accumulated light where snapshots count what
+    /// is injected; of that only to the given cells, if any are given. Returns what no coefficient can have grown by
+    /// more than.
+    pub fn inject(&mut self, problem: &Problem, accumulating: Option<&Marks>) -> f64 {
+        let counts = problem.propagation.snapshots == Snapshots::Thesis;
+        // Cells may hold light of several entries: nothing is brighter than all of it together.
+        let mut most = vec![0.0; self.lights.len()];
+        for source in &problem.sources {
+            for (channel, light) in self.lights.iter_mut().enumerate() {
+                let weight = self.channels.weight(channel, source.color);
+                for (cell, value) in &source.light {
+                    most[channel] += (*value * weight).max_norm();
+                    let value = (*value * weight).cast();
+                    light.source.level_mut(0).add(*cell, value);
+                    if counts && accumulating.is_none_or(|cells| cells.get(*cell)) {
+                        light.accumulated.level_mut(0).add(*cell, value);
+                    }
+                    if !value.is_zero() {
+                        self.index.level_mut(0).set(*cell);
+                    }
+                }
+            }
+        }
+        most.into_iter().fold(0.0, f64::max)
+    }
+
+    /// Sets every coarser level of source and accumulated light to the mean of its children.
+    pub fn downsample(&mut self) {
+        for light in &mut self.lights {
+            light.source.downsample();
+            light.accumulated.downsample();
+        }
+        self.mark_coarser();
+    }
+
+    /// Marks where the coarser levels hold light.
+    pub fn mark_coarser(&mut self) {
+        for light in &self.lights {
+            for i in 1..self.index.sizes().count() {
+                self.index.level_mut(i).mark_lit(light.source.level(i));
+                self.index.level_mut(i).mark_lit(light.accumulated.level(i));
+            }
+        }
+    }
+
+    /// Stores what `sample` makes of each channel's accumulated light in every finest cell.
+    pub fn merge(&mut self, sample: impl Fn(&Self, usize, &mut Grid<T>)) {
+        for channel in 0..self.lights.len() {
+            let merged = self.lights[channel].merged.take();
+            let mut merged = merged.unwrap_or_else(|| Grid::new(self.index.sizes().finest()));
+            sample(self, channel, &mut merged);
+            self.lights[channel].merged = Some(merged);
+        }
+    }
+
+    /// Sets `merged` to the sample S(x, y, z) of a channel's accumulated octree at every finest cell, as
+    /// merging does.
+    pub fn sample(&self, channel: usize, merged: &mut Grid<T>) {
+        self.index.merge(&self.lights[channel].accumulated, merged);
+    }
+
+    /// Cells, over all levels, that have received light.
+    pub fn lit_cells(&self) -> usize {
+        (0..self.sizes().count()).map(|i| self.index.level(i).count()).sum()
+    }
+
+    /// Bytes that it takes now.
+    pub fn bytes(&self) -> usize {
+        let of_light = |light: &Light<T>| {
+            let octrees = light.source.bytes() + light.target.bytes() + light.accumulated.bytes();
+            octrees + light.merged.as_ref().map_or(0, Grid::bytes)
+        };
+        self.lights.iter().map(of_light).sum::<usize>() + self.index.bytes()
+    }
+}
+
+/// Adds the light of an iteration to what was accumulated, in all cells or in the given ones.
+pub fn accumulate<T: Real>(light: &Grid<T>, cells: Option<&Marks>, accumulated: &mut Grid<T>) {
+    match cells {
+        None => accumulated.add_grid(light),
+        Some(cells) => {
+            let lit = light.iter().filter(|(cell, _)| cells.get(*cell));
+            lit.for_each(|(cell, light)| accumulated.add(cell, light));
+        }
+    }
+}
+
+/// By level the cells of a problem that accumulate light; `None` where all do.
+pub fn accumulating(problem: &Problem, sizes: Levels) -> Option<Vec<Marks>> {
+    (0..sizes.count()).map(|level| problem.accumulating(level)).collect()
+}

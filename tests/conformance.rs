@@ -1,0 +1,226 @@
+//! One suite over every kind of transport: each is held against all laws that it claims, and against those that none
+//! may break: stepping is running, and neither threads nor what is left out change a bit.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+mod cube;
+
+use cube::Symmetry;
+use glam::DVec3;
+use lpv_lab::field::{Cell, Grid};
+use lpv_lab::scene::occluder::OcclusionMode;
+use lpv_lab::scene::propagation::Propagation;
+use lpv_lab::scene::propagation::ordinates::{Lattice, Setting};
+use lpv_lab::scene::{Occlusion, Problem, Solid, Source};
+use lpv_lab::sh::Sh;
+use lpv_lab::simulation::options::{Options, Skip, Wanted};
+use lpv_lab::simulation::{Action, Simulation};
+use lpv_lab::transport::kind::{Law, Precision};
+use lpv_lab::transport::{Kind, kinds};
+
+const N: usize = 8;
+
+type Lights = Vec<(Cell, Sh<f64>)>;
+
+fn problem(size: usize, light: Lights, propagation: Propagation) -> Problem {
+    Problem {
+        size,
+        coarsest: 1,
+        sources: vec![Source { color: [1.0; 3], light, ..Source::default() }],
+        solids: Vec::new(),
+        occlusion: Occlusion::default(),
+        propagation,
+        ..Problem::default()
+    }
+}
+
+/// The settings under which every kind is tried: with its clamps and without, and both ways to spread directions.
+fn settings() -> impl Iterator<Item = (&'static Kind, Propagation)> {
+    let setting = |kind: &'static Kind, clamp: bool| {
+        let lattice = if clamp { Lattice::Octahedral } else { Lattice::Fibonacci };
+        let ordinates = Setting { directions: 32, lattice, ..Setting::default() };
+        let propagation =
+            Propagation { scheme: kind.name.to_owned(), iterations: 6, clamp, ordinates, ..Propagation::default() };
+        (kind, propagation)
+    };
+    kinds().iter().flat_map(move |kind| [true, false].map(|clamp| setting(kind, clamp)))
+}
+
+/// Those that claim a law; every law is claimed by somebody.
+fn claiming(law: Law) -> Vec<(&'static Kind, Propagation)> {
+    let found: Vec<_> = settings().filter(|(kind, propagation)| (kind.laws)(propagation).contains(&law)).collect();
+    assert!(!found.is_empty(), "{law:?}");
+    found
+}
+
+fn lobe(cell: Cell, direction: [f64; 3], strength: f64) -> (Cell, Sh<f64>) {
+    (cell, Sh::lobe(DVec3::from_array(direction).normalize()) * strength)
+}
+
+fn lobes() -> Lights {
+    vec![
+        lobe([2, 3, 5], [1.0, 0.3, -0.2], 1.0),
+        lobe([6, 1, 1], [-0.5, 0.9, 0.4], 0.7),
+        lobe([0, 7, 2], [0.0, -1.0, 0.0], 0.3),
+    ]
+}
+
+fn run<T: Precision>(problem: Problem) -> Simulation<T> {
+    let mut simulation = Simulation::new(problem).unwrap();
+    simulation.run(|_| true);
+    simulation
+}
+
+fn finest<T: Precision>(simulation: &Simulation<T>) -> &Grid<T> {
+    simulation.lights()[0].accumulated.level(0)
+}
+
+#[test]
+fn symmetry() {
+    for (kind, propagation) in claiming(Law::Symmetry) {
+        let straight = run::<f64>(problem(N, lobes(), propagation.clone()));
+        for symmetry in Symmetry::all() {
+            let turn = |(cell, light): (Cell, Sh<f64>)| (symmetry.cell(cell, N - 1), symmetry.light(light));
+            let turned = run::<f64>(problem(N, lobes().into_iter().map(turn).collect(), propagation.clone()));
+            for level in 0..straight.sizes().count() {
+                let last = straight.sizes().side(level) - 1;
+                let grid = |s: &Simulation<f64>| s.lights()[0].accumulated.level(level).clone();
+                let (straight, turned) = (grid(&straight), grid(&turned));
+                for (cell, light) in straight.iter() {
+                    let image = turned.get(symmetry.cell(cell, last));
+                    let off = (image - symmetry.light(light)).max_norm();
+                    assert!(off < 1e-12, "{}, level {level}, {symmetry:?}, {cell:?}: {off}", kind.name);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn superposition() {
+    for (kind, propagation) in claiming(Law::Superposition) {
+        let all = run::<f64>(problem(N, lobes(), propagation.clone()));
+        let each = lobes().into_iter().map(|one| run::<f64>(problem(N, vec![one], propagation.clone())));
+        let mut sum = Grid::new(N);
+        each.for_each(|one| sum.add_grid(finest(&one)));
+        for (cell, light) in finest(&all).iter() {
+            assert!((sum.get(cell) - light).max_norm() < 1e-12, "{}, {cell:?}", kind.name);
+        }
+    }
+}
+
+#[test]
+fn reach_and_parity() {
+    let (from, direction) = ([2, 4, 3], [0.6, -0.3, 0.74]);
+    for (kind, propagation) in claiming(Law::Reach) {
+        let mut lit = 0;
+        let mut simulation = Simulation::<f64>::new(problem(N, vec![lobe(from, direction, 1.0)], propagation)).unwrap();
+        simulation.run(|now| {
+            let k = now.iteration();
+            for (cell, light) in now.lights()[0].source.level(0).iter() {
+                let distance: usize = (0..3).map(|a| cell[a].abs_diff(from[a])).sum();
+                let possible = distance <= k && (distance + k).is_multiple_of(2);
+                assert!(possible || light.is_zero(), "{}, k = {k}, {cell:?}", kind.name);
+                lit += usize::from(distance == k && !light.is_zero());
+            }
+            true
+        });
+        // The front is not only never ahead of its reach: it gets there.
+        assert!(lit > 6, "{}", kind.name);
+    }
+}
+
+#[test]
+fn conservation() {
+    for (kind, propagation) in claiming(Law::Conservation) {
+        let propagation = Propagation { factor: kind.conserving, ..propagation };
+        let light = vec![lobe([8, 8, 7], [0.2, 0.9, 0.1], 1.0), ([7, 8, 8], Sh([0.4, 0.1, -0.05, 0.2]))];
+        let mut energies = Vec::new();
+        let mut simulation = Simulation::<f64>::new(problem(16, light, propagation)).unwrap();
+        simulation.run(|now| {
+            energies.push(now.lights()[0].source.level(0).energy());
+            true
+        });
+        for (k, energy) in energies.iter().enumerate().skip(2) {
+            assert!((energy / energies[1] - 1.0).abs() < 1e-9, "{}, k = {k}: {energy}, {}", kind.name, energies[1]);
+        }
+    }
+}
+
+#[test]
+fn closed_walls_shut() {
+    let wall = |x: usize| (0..N * N).map(move |i| Solid::new([x, i % N, i / N], DVec3::NEG_X, 1.0, [0.0; 3]));
+    for (kind, propagation) in claiming(Law::Shutters) {
+        let mut problem =
+            problem(N, vec![lobe([1, 3, 3], [1.0, 0.2, 0.0], 1.0)], Propagation { iterations: 12, ..propagation });
+        problem.solids = wall(4).collect();
+        problem.occlusion.mode = OcclusionMode::Hard;
+        let behind = |simulation: &Simulation<f64>| -> f64 {
+            finest(simulation).iter().filter(|(cell, _)| cell[0] > 4).map(|(_, light)| light.max_norm()).sum()
+        };
+        assert_eq!(behind(&run(problem.clone())), 0.0, "{}", kind.name);
+        problem.solids.clear();
+        assert!(behind(&run(problem)) > 0.0, "{}: without a wall there is light", kind.name);
+    }
+}
+
+#[test]
+fn single_precision_is_near_double() {
+    for (kind, propagation) in claiming(Law::Precision) {
+        let problem = || problem(N, lobes(), propagation.clone());
+        let (narrow, wide) = (run::<f32>(problem()), run::<f64>(problem()));
+        let most = finest(&wide).iter().map(|(_, light)| light.max_norm()).fold(0.0, f64::max);
+        let mut differs = false;
+        for (cell, light) in finest(&wide).iter() {
+            let off = (finest(&narrow).get(cell).widen() - light).max_norm();
+            assert!(off < 2e-6 * most, "{}, {cell:?}: {off}", kind.name);
+            differs |= off > 0.0;
+        }
+        assert!(differs, "{}: double precision is no wider", kind.name);
+    }
+}
+
+#[test]
+fn stepping_running_threads_and_skipping_give_the_same_bits() {
+    for (kind, propagation) in settings() {
+        let problem = problem(N, lobes(), propagation);
+        let stepped = run::<f32>(problem.clone());
+        for threads in [1, 3] {
+            for skip in [Skip::default(), Skip { channels: true, ..Skip::NOTHING }] {
+                let options = Options { skip, ..Options::default() };
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                let whole = pool.install(|| {
+                    let mut whole = Simulation::<f32>::with_options(problem.clone(), options).unwrap();
+                    whole.run_all(Wanted::Everything);
+                    whole
+                });
+                assert!(whole.lights() == stepped.lights(), "{}, {threads} threads, {skip:?}", kind.name);
+                assert!(whole.index() == stepped.index(), "{}, {threads} threads, {skip:?}", kind.name);
+            }
+        }
+        let mut again = stepped.clone();
+        again.act(Action::Clear);
+        again.run(|_| true);
+        assert!(again.lights() == stepped.lights(), "{}: clearing leaves nothing behind", kind.name);
+    }
+}
+
+#[test]
+fn what_is_counted_is_what_is_allocated() {
+    let wall = |x: usize| (0..64 * 64).map(move |i| Solid::new([x, i % 64, i / 64], DVec3::X, 1.0, [0.5; 3]));
+    for kind in kinds() {
+        for mode in [OcclusionMode::Off, OcclusionMode::Fuzzy, OcclusionMode::Hard] {
+            let ordinates = Setting { directions: 32, ..Setting::default() };
+            let propagation =
+                Propagation { scheme: kind.name.to_owned(), iterations: 2, ordinates, ..Propagation::default() };
+            // Light on both sides of the wall, so that hard occluders shut nothing off.
+            let light = vec![lobe([3, 30, 30], [1.0, 0.0, 0.0], 1.0), lobe([60, 30, 30], [-1.0, 0.0, 0.0], 1.0)];
+            let mut problem = problem(64, light, propagation);
+            problem.solids = wall(32).collect();
+            problem.occlusion.mode = mode;
+            let counted = Simulation::<f32>::bytes_of(&problem, &Options::default()).unwrap() as f64;
+            let simulation = run::<f32>(problem);
+            let allocated = (simulation.bytes() + simulation.shared_bytes()) as f64;
+            assert!((counted / allocated - 1.0).abs() < 0.05, "{}, {mode:?}: {counted} of {allocated}", kind.name);
+        }
+    }
+}
