@@ -13,6 +13,8 @@ pub mod read;
 
 mod bvh;
 mod gltf;
+mod job;
+mod lamp;
 mod obj;
 mod polygon;
 mod texture;

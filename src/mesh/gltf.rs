@@ -16,7 +16,8 @@ use gltf::khr_lights_punctual::Kind;
 use gltf::mesh::Mode;
 use gltf::{Document, Node, Primitive, Semantic};
 
-use super::read::{Job, LONGEST, Lamp, LampKind, Parts, shortened};
+use super::job::{Job, LONGEST, Parts, shortened};
+use super::lamp::{Lamp, LampKind};
 use super::texture::{self, TextureId};
 use super::{MOST_TRIANGLES, MOST_VERTICES, Material, is_usable};
 use crate::system::file::FileError;

@@ -11,7 +11,7 @@ use std::str::FromStr;
 
 use glam::{Vec2, Vec3};
 
-use super::read::{Job, Parts, at_line, shortened};
+use super::job::{Job, Parts, at_line, shortened};
 use super::texture::TextureId;
 use super::{FARTHEST, MOST_TRIANGLES, MOST_VERTICES, Material, is_usable, polygon};
 use crate::system::file::FileError;

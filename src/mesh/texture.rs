@@ -11,7 +11,6 @@ use std::path::{Path, PathBuf};
 use glam::Vec2;
 use image::{ImageReader, Limits, RgbImage};
 
-use super::read::Job;
 use crate::system::file::FileError;
 
 /// The longest file of a texture, in bytes.
@@ -29,7 +28,7 @@ pub(super) struct TextureId(usize);
 #[derive(Default)]
 pub(super) struct Textures {
     pictures: Vec<RgbImage>,
-    by_file: HashMap<PathBuf, Option<TextureId>>,
+    pub(super) by_file: HashMap<PathBuf, Option<TextureId>>,
     taken: u64,
 }
 
@@ -71,22 +70,6 @@ impl Textures {
         let Some(TextureId(i)) = texture else { return factor.map(|f| f as f32) };
         let mean = mean(&self.pictures[i], places.map(|place| place.unwrap_or_default()));
         [0, 1, 2].map(|c| (factor[c] * mean[c]) as f32)
-    }
-}
-
-impl Job<'_> {
-    /// The texture in a file that the mesh names; `None`, with a note, where there is no such file.
-    pub(super) fn texture_in_file(&mut self, name: &str) -> Result<Option<TextureId>, FileError> {
-        let known = PathBuf::from(name);
-        if let Some(texture) = self.textures.by_file.get(&known) {
-            return Ok(*texture);
-        }
-        let texture = match self.beside(name, LONGEST, "what has this texture is grey")? {
-            None => None,
-            Some((path, bytes)) => Some(self.textures.add(&bytes, &path)?),
-        };
-        self.textures.by_file.insert(known, texture);
-        Ok(texture)
     }
 }
 

@@ -6,7 +6,7 @@
 use gltf::json::{Root, validation};
 use gltf::{Document, Semantic};
 
-use crate::mesh::read::{Job, shortened};
+use crate::mesh::job::{Job, shortened};
 use crate::system::file::FileError;
 
 /// The document and its binary part.

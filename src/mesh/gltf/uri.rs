@@ -1,6 +1,6 @@
 //! Bytes that a glTF document names: in a file beside it, or written into it (`data:`, RFC 2397, base64).
 
-use crate::mesh::read::Job;
+use crate::mesh::job::Job;
 use crate::system::file::FileError;
 
 /// Whether the bytes stand in the document itself.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::{lines, numbers, text};
 use crate::mesh::Material;
-use crate::mesh::read::{at_line, shortened};
+use crate::mesh::job::{at_line, shortened};
 use crate::system::file::FileError;
 
 /// The longest library, in bytes.
