@@ -30,7 +30,7 @@ fn drop_dump(harness: &mut Window, name: &str) {
 #[test]
 fn dumps_that_are_dropped_are_looked_at() {
     let mut harness = window(SMALL);
-    click(&mut harness, "Study");
+    click(&mut harness, "Study workspace");
     for dump in ["h22_s0.npy", "h22_s1.npy", "h22_s2.npy", "h22_a4.npy"] {
         drop_dump(&mut harness, dump);
     }

@@ -12,7 +12,7 @@ use super::light::{Light, Storage, is_lit};
 use super::port::{Border, Kind, Port};
 use super::search::{self, Candidate, Found};
 use super::verdict::{Judgement, Law, Named, Verdict, Wrong};
-use super::weights::{self, Base, Nominal, Reading};
+use super::weights::{self, Base, Nominal, Precision, Reading};
 use super::{Dumps, laws};
 use crate::sh::Sh;
 use crate::transport::lattice::schemes;
@@ -184,7 +184,7 @@ pub(super) fn judge(dumps: &Dumps, layout: Layout, injection: Option<Injection>,
             verdict.layout.coefficients = under(layout.coefficients, convention);
             let plain = turned(&base_of(&nearest).port, convention);
             let (fit, agreement) = first.precise(&plain, Rounding::Dumped, &first.receivers());
-            let reading = weights::read(&fit, base_of(&nearest), &[], 1.0);
+            let reading = weights::read(&fit, base_of(&nearest), &[], 1.0, precision(&later));
             verdict.factor = Some(reading.factor);
             verdict.wrong = agreement.first_wrong.map(|cell| Wrong {
                 iteration: 1,
@@ -275,7 +275,7 @@ fn account_of(
     hidden: &[bool],
     mixed: f64,
 ) -> Account {
-    let reading = weights::read(&candidate.fit, base, others, mixed);
+    let reading = weights::read(&candidate.fit, base, others, mixed, precision(later));
     let mut all = snapped(&candidate);
     for kind in [Kind::Far, Kind::Side] {
         all[kind as usize] = reading.weights[kind as usize];
@@ -323,6 +323,16 @@ fn account_of(
     }
     let rank = candidate.edits.iter().map(|e| edits[*e].rank).sum();
     Account { candidate, reading, iterations, mistakes, rank }
+}
+
+/// Lit cells from which half precision tells digits.
+const MANY: usize = 100;
+
+/// How finely the dumps tell weights.
+fn precision(later: &Later) -> Precision {
+    let half = later.source.values().any(|(_, storage)| *storage == Storage::Half);
+    let many = later.source.get(&0).is_some_and(|(light, _)| light.lit().len() >= MANY);
+    if half && !many { Precision::Coarse } else { Precision::Digits }
 }
 
 /// Lets later steps, which the same weights make, narrow the weights down.

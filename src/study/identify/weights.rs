@@ -85,15 +85,32 @@ fn wrong_ratios() -> [(&'static str, f64, f64, &'static str); 8] {
     ]
 }
 
-/// How far a ratio of two constants of ten digits in single precision may be off.
-const RATIO_ERROR: f64 = 3e-6;
+/// How finely dumps tell weights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    /// Finely enough for a wrong digit of a constant.
+    Digits,
+    /// Half precision of few lit cells: what would tell a digit are a few numbers near zero, whose errors are those of
+    /// the port's arithmetic.
+    Coarse,
+}
+
+impl Precision {
+    /// How far a ratio of two constants of ten digits may be off, relative.
+    fn ratio_error(self) -> f64 {
+        match self {
+            Precision::Digits => 3e-6,
+            Precision::Coarse => 6e-5,
+        }
+    }
+}
 
 /// Factors that people use.
 const USUAL: [f64; 6] = [1.0, 2.0, 3.0, 3.5, 3.8, 4.0];
 
 /// Reads weights that were fitted on `base`; `others` are the schemes of all bases with the same faces. `mixed` is
 /// the share of new light where old light is mixed in, 1 otherwise.
-pub fn read(fit: &Fit, base: &Base, others: &[Nominal], mixed: f64) -> Reading {
+pub fn read(fit: &Fit, base: &Base, others: &[Nominal], mixed: f64, precision: Precision) -> Reading {
     let (far, side) = (fit.weight(Kind::Far), fit.weight(Kind::Side));
     let (far_error, side_error) = (fit.deviation(Kind::Far), fit.deviation(Kind::Side));
     let mut mistakes = Vec::new();
@@ -110,7 +127,7 @@ pub fn read(fit: &Fit, base: &Base, others: &[Nominal], mixed: f64) -> Reading {
         Some(_) if nominal.side == 0.0 => side.abs() <= 5.0 * side_error + 2e-6 * far.abs(),
         Some((ratio, error)) => {
             let right = nominal.side / nominal.far;
-            (ratio - right).abs() <= (slack * error).max(RATIO_ERROR * right)
+            (ratio - right).abs() <= (slack * error).max(precision.ratio_error() * right)
         }
     };
     // Weights that are no scheme's do not tell one: that which clamps every face is meant.
@@ -124,7 +141,8 @@ pub fn read(fit: &Fit, base: &Base, others: &[Nominal], mixed: f64) -> Reading {
     let nominal = if let Some(nominal) = found {
         if let Some((ratio, error)) = ratio.filter(|_| nominal.side > 0.0) {
             let typo = wrong_ratios()[0].1;
-            if (ratio - typo).abs() < 5.0 * error && nominal.scheme == first.scheme {
+            let told = precision == Precision::Digits && (ratio - typo).abs() >= 5.0 * error;
+            if !told && nominal.scheme == first.scheme {
                 let text = "The wrong digit 0.4234413544 of the side angle cannot be told in this precision; the \
                             pattern `dense`, or single precision, would tell.";
                 notes.push(text.to_owned());
@@ -248,17 +266,18 @@ mod tests {
             ([0.0, 3.0 * side], vec!["no-far-face"]),
             ([0.5, 0.0], vec![]),
         ] {
-            let reading = read(&fitted(weights[0], weights[1], 1e-9), &bases[0], &bases[1].schemes, 1.0);
+            let reading =
+                read(&fitted(weights[0], weights[1], 1e-9), &bases[0], &bases[1].schemes, 1.0, Precision::Digits);
             let found: Vec<_> = reading.mistakes.iter().map(|m| m.0).collect();
             assert_eq!(found, ids, "{weights:?}");
             assert!(reading.known);
         }
-        let reading = read(&fitted(0.5, 0.0, 1e-9), &bases[0], &[], 1.0);
+        let reading = read(&fitted(0.5, 0.0, 1e-9), &bases[0], &[], 1.0, Precision::Digits);
         assert_eq!(reading.scheme, "axial");
         assert!(reading.factor.holds(3.0));
         // A digit cannot be told where the error bars hold both.
-        let reading = read(&fitted(3.0 * far, 3.0 * typo, 1e-5), &bases[0], &[], 1.0);
+        let reading = read(&fitted(3.0 * far, 3.0 * typo, 1e-5), &bases[0], &[], 1.0, Precision::Digits);
         assert!(reading.mistakes.is_empty() && reading.notes.len() == 1);
-        assert!(!read(&fitted(0.1, 0.2, 1e-9), &bases[0], &[], 1.0).known);
+        assert!(!read(&fitted(0.1, 0.2, 1e-9), &bases[0], &[], 1.0, Precision::Digits).known);
     }
 }
