@@ -162,7 +162,7 @@ fn one_run_is_put_against_another() {
     let (here, there, out) = (write("a.ron", 15), write("b.ron", 16), folder.path().join("out"));
     let told = lab(&["compare", &here, &there, "--difference", "--out", out.to_str().unwrap()]).success();
     let text = String::from_utf8(told.get_output().stdout.clone()).unwrap();
-    assert!(text.contains("moves by 1.6") && text.contains("the injected light's by 1 cells"), "{text}");
+    assert!(text.contains("moves by 2.65") && text.contains("the injected light's by 1 cells"), "{text}");
     assert!(text.lines().all(|line| line.chars().count() <= 120), "{text}");
     for file in ["difference.csv", "difference-cascaded.svg", "difference-cascaded.png"] {
         assert!(out.join(file).exists(), "{file}");

@@ -238,7 +238,11 @@ fn extreme_light_runs_to_its_end_or_is_stopped_by_name() {
             match output.status.code() {
                 // The reader refuses what is not finite.
                 Some(0) => drop(cell_file::read(&out, size, None).expect("finite light")),
-                Some(1) => assert!(said.contains("diverges") && said.lines().count() == 1, "{said}"),
+                // Dark scenes are doubted first.
+                Some(1) => {
+                    let lines = said.lines().filter(|line| !line.starts_with("lpv-lab: warning: ")).count();
+                    assert!(said.contains("diverges") && lines == 1, "{said}");
+                }
                 other => panic!("{other:?}: {said}"),
             }
         }

@@ -117,8 +117,8 @@ fn turn(problem: &Problem, symmetry: Symmetry, last: usize) -> Problem {
         (*cell, *light) = (symmetry.cell(*cell, N - 1), symmetry.light(*light));
     }
     for blocker in &mut turned.solids {
-        blocker.cell = symmetry.cell(blocker.cell, last);
-        blocker.normal = DVec3::from_array(symmetry.vector(blocker.normal.to_array()));
+        let normal = DVec3::from_array(symmetry.vector(blocker.normal.to_array()));
+        *blocker = Solid::new(symmetry.cell(blocker.cell, last), normal, blocker.opacity[0], blocker.albedo);
     }
     turned
 }

@@ -100,7 +100,7 @@ pub fn run(args: &CompareArgs) -> Result<(), CliError> {
         let (document, problem) = scene_args.load()?;
         let gap = if i == 0 { "" } else { "\n" };
         say!(
-            "{gap}{}: {}³, p = {}, k = {}, against {}",
+            "{gap}{}\n{}³, p = {}, k = {}, against {}",
             scene_args.title(&document),
             problem.size,
             problem.propagation.factor,

@@ -66,12 +66,16 @@ impl Type {
 /// The smallest that type is set to make a text fit, as a part of its size; what is longer still is cut.
 const SMALLEST: f64 = 0.6;
 
+/// The smallest type that can be read on paper, in pixels: six points.
+const LEGIBLE: f64 = 8.0;
+
 /// A text that is no wider than `width` pixels: in smaller type, and cut with `…` where that would become too small.
 pub fn fitted(text: &str, set: Type, width: f64) -> (String, Type) {
     let mut text = one_line(text);
-    while text_width(&text, SMALLEST * set.size) > width && text.chars().count() > 1 {
+    let least = (SMALLEST * set.size).max(LEGIBLE.min(set.size));
+    while text_width(&text, least) > width && text.chars().count() > 1 {
         let count = text.chars().count();
-        let part = width / text_width(&text, SMALLEST * set.size);
+        let part = width / text_width(&text, least);
         text = shortened(&text, ((count as f64 * part) as usize).clamp(1, count - 1));
     }
     let set = set.fitting(&text, width);

@@ -66,6 +66,6 @@ fn a_cell_file_that_is_dropped_becomes_an_injector() {
 fn what_is_no_scene_is_refused_and_said_what_would_be_right() {
     let mut harness = window(SMALL);
     drop_file(&mut harness, Path::new("holiday.jpg"));
-    harness.get_by_label_contains("holiday.jpg: drop a preset (.ron) or a file of cells (.csv, .npy)");
+    harness.get_by_label_contains("holiday.jpg: drop a preset (.ron), a file of cells (.csv, .npy) or a mesh");
     assert_eq!(lab(&harness).preset().title, "Small");
 }

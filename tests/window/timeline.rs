@@ -38,7 +38,7 @@ fn watched(harness: &mut Window, most: usize) -> Vec<usize> {
 #[test]
 fn play_replays_what_is_there_and_computes_on() {
     let mut harness = window(SMALL);
-    set_number(&mut harness, "Pace", 60.0);
+    set_number(&mut harness, "Pace", 15.0);
     for _ in 0..3 {
         click(&mut harness, "Propagate");
     }

@@ -25,6 +25,9 @@ pub fn apply(ctx: &Context) {
                 // egui's own orange and red are too faint on its light panels.
                 visuals.warn_fg_color = Color32::from_rgb(0x9a, 0x48, 0x00);
                 visuals.error_fg_color = Color32::from_rgb(0xb0, 0x00, 0x20);
+            } else {
+                // Nor is egui's pure red bright enough on its dark ones.
+                visuals.error_fg_color = Color32::from_rgb(0xff, 0x7b, 0x72);
             }
         });
     }

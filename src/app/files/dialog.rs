@@ -127,9 +127,6 @@ impl Dialog {
             ui.add_space(6.0);
             if question.purpose.is_picture() {
                 format::ui(ui, format);
-                if let Purpose::Export(command) = question.purpose {
-                    preview.ui(ui, session, command, format);
-                }
                 ui.add_space(6.0);
             }
             ui.horizontal(|ui| {
@@ -143,6 +140,11 @@ impl Dialog {
                 }
                 open &= !ui.button("Cancel").clicked();
             });
+            // Under the buttons: in a low window they must not be what is cut.
+            if let (true, Purpose::Export(command)) = (question.purpose.is_picture(), question.purpose) {
+                ui.add_space(6.0);
+                preview.ui(ui, session, command, format);
+            }
         });
         if open && !modal.should_close() {
             self.question = Some(question);

@@ -3,7 +3,6 @@
 use egui::{Align, Grid, RichText, ScrollArea, Sense, Ui, vec2};
 
 use crate::app::draw::ink::color;
-use crate::app::panels::field::name;
 use crate::app::session::Session;
 use crate::app::session::curves::Curves;
 use crate::report::colour::Theme;
@@ -35,7 +34,8 @@ pub fn ui(ui: &mut Ui, session: &Session, theme: &Theme) {
                 ui.painter().circle_filled(dot.center(), 4.0, color(theme.curve(run.color)));
                 let text = egui::Label::new(RichText::new(&run.name).small()).truncate().halign(Align::LEFT);
                 let label = ui.add_sized([118.0, 14.0], text);
-                name(&label, &format!("Rank {}: {}", place + 1, run.name));
+                let told = format!("Rank {}: {}", place + 1, run.name);
+                label.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ListItem, true, &told));
                 ui.small(number(row.map(|row| row.l1_ratio)));
                 ui.small(number(row.and_then(|row| row.l1_best_fit)));
                 ui.small(run.milliseconds().map_or("–".to_owned(), |ms| format!("{ms:.2}")));
