@@ -1,5 +1,6 @@
 //! The card against the processor, to the last bit. Where no driver answers the suite says so, and does not run.
 #![cfg(feature = "gpu")]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::path::Path;
 

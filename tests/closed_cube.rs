@@ -1,5 +1,6 @@
 //! A closed room whose walls lie on the volume's border: at factor 4 all light ends on them, so what arrives at the
 //! walls is what was injected, whatever the size.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::path::Path;
 

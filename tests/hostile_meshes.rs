@@ -1,5 +1,6 @@
 //! Meshes that are broken, that lie, or that mean harm: the program says why in one line and ends with exit code 2,
 //! within a gibibyte of memory.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::path::Path;
 

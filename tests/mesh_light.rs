@@ -1,4 +1,5 @@
 //! From a mesh and its lights to light in cells: what the lights give is what the cells hold.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::f64::consts::PI;
 use std::fmt::Write;

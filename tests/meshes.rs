@@ -1,4 +1,5 @@
 //! Meshes read from files: what each format says, what can be helped, and what is refused with its place.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::cell::RefCell;
 use std::collections::HashMap;

@@ -1,4 +1,5 @@
 //! What levels that agree and a descent over them have to reach, held against the uniform volume.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use glam::DVec3;
 use lpv_lab::field::{Cell, Grid, downsample_into};

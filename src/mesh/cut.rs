@@ -4,7 +4,7 @@
 //! y, and those to cells. The parts of a triangle sum to its area, but for what lies outside the lattice.
 //!
 //! A triangle in the plane between two cells belongs to the upper one, and on the lattice's upper border to the last.
-//! Corners within [`SNAP`] of a plane between cells count as in it, so that rounding does not part such a triangle.
+//! Corners within `SNAP` of a plane between cells count as in it, so that rounding does not part such a triangle.
 
 use glam::DVec3;
 

@@ -141,7 +141,7 @@ fn trilinear(grid: &Grid<f32>, place: DVec3, counts: impl Fn(Cell) -> bool) -> S
         let along = |axis: usize| if upper(axis) == 1 { part[axis] } else { 1.0 - part[axis] };
         let weight = along(0) * along(1) * along(2);
         if weight > 0.0 && counts(cell) {
-            sum = sum + grid.get(cell).widen() * weight;
+            sum += grid.get(cell).widen() * weight;
             weights += weight;
         }
     }

@@ -1,6 +1,6 @@
 //! The truth: what light does in the scene itself, path traced.
 //!
-//! [`picture`] is what a camera sees, its direct and its indirect light apart, each pixel the mean over its square.
+//! [`Truth`] is what a camera sees, its direct and its indirect light apart, each pixel the mean over its square.
 //! [`super::surface`] has the same for surfaces, without a camera. Estimators: [`super::bounce`]; error bars and
 //! batches: [`super::estimate`].
 

@@ -106,7 +106,7 @@ fn sources(cosines: &BTreeMap<(usize, [u64; 3]), [f64; 3]>, n: usize) -> Vec<Sou
             let (cell, normal) = ([i % n, i / n % n, i / (n * n)], DVec3::from_array(normal.map(f64::from_bits)));
             let lobe = Sh::lobe(normal) * (flux[c] / PI);
             match source.light.last_mut() {
-                Some((last, light)) if *last == cell => *light = *light + lobe,
+                Some((last, light)) if *last == cell => *light += lobe,
                 _ => source.light.push((cell, lobe)),
             }
             source.cosines.push(Cosine { cell, normal, flux: flux[c] });

@@ -81,7 +81,7 @@ impl Source {
         light.dedup_by(|later, kept| {
             let same = later.0 == kept.0;
             if same {
-                kept.1 = kept.1 + later.1;
+                kept.1 += later.1;
             }
             same
         });

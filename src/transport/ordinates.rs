@@ -106,7 +106,7 @@ struct Group<T> {
 }
 
 impl<T: Real> Ordinates<T> {
-    /// About `count` directions of a lattice, as [`Lattice::directions`] has it, with a rule for their shares.
+    /// About `count` directions of a lattice, as [`directions::directions`] has it, with a rule for their shares.
     pub fn new(lattice: Lattice, count: usize, rule: Rule) -> Self {
         let set = directions::directions(lattice, count);
         let octants = (0..8)

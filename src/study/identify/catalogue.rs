@@ -1,7 +1,7 @@
 //! What ports get wrong: for each mistake a rule, which changes a right port into the wrong one, and a sentence.
 //!
 //! A rule may come in several forms (a sign may be wrong along any axis); each form is an [`Edit`]. Mistakes that
-//! are numbers rather than rules (a weight, a factor, a sum) have no edits: [`super::weights`], [`super::sums`] and
+//! are numbers rather than rules (a weight, a factor, a sum) have no edits: [`super::weights`], [`super::iterations`] and
 //! [`super::injection`] read them off. To add a mistake, add an entry to one of the files below.
 
 mod borders;

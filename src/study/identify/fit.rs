@@ -109,8 +109,8 @@ impl Sums {
                 let scaled = w * columns[i][c];
                 if scaled != 0.0 {
                     self.targets[i] += scaled * found[c];
-                    for j in 0..=i {
-                        self.products[i][j] += scaled * columns[j][c];
+                    for (product, column) in self.products[i].iter_mut().zip(&columns[..=i]) {
+                        *product += scaled * column[c];
                     }
                 }
             }

@@ -99,8 +99,8 @@ impl Layout {
         let mut light = Light::dark(dump.side);
         for i in 0..dump.numbers.len() {
             let numbers = dump.numbers[self.axes.place(light.cell(i), dump.side)];
-            for j in 0..4 {
-                light.cells_mut()[i][self.coefficients.order[j]] = self.coefficients.signs[j] * numbers[j];
+            for (j, number) in numbers.iter().enumerate() {
+                light.cells_mut()[i][self.coefficients.order[j]] = self.coefficients.signs[j] * number;
             }
         }
         light

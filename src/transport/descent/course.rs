@@ -16,6 +16,9 @@ use crate::transport::lattice::exact::leaves::{Leaves, Way};
 use crate::transport::lattice::exact::walls::Solid;
 use crate::transport::lattice::kernel::form::{Form, Share};
 
+/// What a stage holds of injected light: cells by their number, with their light.
+type Injected<T> = Vec<(usize, Sh<T>)>;
+
 /// A descent under way.
 #[derive(Clone, Debug)]
 pub struct Descent<T> {
@@ -273,12 +276,7 @@ impl<T: Real> Descent<T> {
     }
 
     /// The first iteration of a stage, from what its leaves hold of B.
-    fn begin(
-        &self,
-        leaves: &Leaves<T>,
-        (injected, moved): (&[Vec<(usize, Sh<T>)>], &Octree<T>),
-        grids: &mut Grids<'_, T>,
-    ) {
+    fn begin(&self, leaves: &Leaves<T>, (injected, moved): (&[Injected<T>], &Octree<T>), grids: &mut Grids<'_, T>) {
         let j = self.level();
         // What P makes of B, and the source, less B itself is the correction.
         leaves.copy(grids.accumulated, grids.source);

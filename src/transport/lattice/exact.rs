@@ -25,7 +25,7 @@
 //!
 //! - [`filter`]: how q goes from a level to the next coarser one.
 //! - [`crossing`]: what crosses a face, and what goes out at the border of the volume.
-//! - [`leaves`], [`step`]: any tiling of the volume by cells of several levels, and an iteration of it.
+//! - [`leaves`], `step`: any tiling of the volume by cells of several levels, and an iteration of it.
 //! - [`walls`]: what stands between them.
 //! - [`sampling`]: what a coarse cell holds inside.
 //!

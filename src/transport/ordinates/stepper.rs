@@ -33,6 +33,9 @@ pub struct Stepper<T = f32> {
 /// Light of surfaces that has not been sent yet: by cell, normals and what goes along them [W/sr].
 type Surfaces<T> = HashMap<usize, Vec<([T; 3], T)>>;
 
+/// A group of directions, and the way it blows.
+type Wind<'a, T> = (&'a Octant<T>, &'a Group<T>);
+
 impl<T: Real> Stepper<T> {
     /// A dark volume of n³ cells.
     pub fn new(ordinates: Ordinates<T>, n: usize) -> Self {
@@ -85,14 +88,14 @@ impl<T: Real> Stepper<T> {
     /// One iteration: sets `arrived` to Σ_j F_j·Y(u_j) of what then comes into each cell. Whatever leaves a cell is
     /// multiplied with `gain`.
     pub fn step(&mut self, gain: T, occluders: Option<&Transparency>, arrived: &mut Grid<T>) {
-        let groups: Vec<(&Octant<T>, &Group<T>)> =
+        let groups: Vec<Wind<'_, T>> =
             self.ordinates.octants.iter().flat_map(|octant| octant.groups.iter().map(move |g| (octant, g))).collect();
         let dark = [[T::ZERO; LANES]; 3];
         self.under_way.resize_with(groups.len(), || vec![dark; self.n.pow(3)]);
         let piece = groups.len().div_ceil(PIECES).max(1);
         let (unsent, rule) = ((&self.unsent, &self.surfaces), self.ordinates.rule);
         let pieces = groups.par_chunks(piece).zip(self.under_way.par_chunks_mut(piece));
-        let run = |(groups, under_way): (&[(&Octant<T>, &Group<T>)], &mut [Vec<Came<T>>])| {
+        let run = |(groups, under_way): (&[Wind<'_, T>], &mut [Vec<Came<T>>])| {
             let mut arrived = Grid::new(unsent.0.side());
             for (wind, came) in groups.iter().zip(under_way) {
                 advance(*wind, rule, gain, unsent, occluders, came);

@@ -10,7 +10,7 @@ use crate::transport::lattice::face::Direction;
 
 /// The part along the direction of travel of a side's direction, 2/√5, and the part across, 1/√5.
 const ALONG: f64 = 0.894_427_190_999_915_9;
-const ACROSS: f64 = 0.447_213_595_499_957_94;
+const ACROSS: f64 = 0.447_213_595_499_958;
 
 pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {

@@ -55,9 +55,9 @@ impl<T: Real> Within<T> {
     pub(super) fn solve(&self, Sh([c, v @ ..]): Sh<T>) -> Sh<T> {
         let one = T::of(1.0);
         let (mut sum, mut left) = (c, one - self.mean);
-        for k in 0..3 {
+        for (k, along) in v.iter().enumerate() {
             let through = self.inward[k] / (one - self.direction[k]);
-            sum += through * v[k];
+            sum += through * *along;
             left += -(through * self.outward[k]);
         }
         let mean = sum / left;
