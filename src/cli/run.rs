@@ -10,6 +10,7 @@ use super::console::{remark, say};
 use super::course::{self, Course};
 use super::output::{self, Folder};
 use super::{CliError, SceneArgs};
+use crate::field::memory;
 use crate::report::colour::{Paint, Theme};
 use crate::report::error_figure::{ErrorFigure, Measure, Series};
 use crate::report::glyph::Hue;
@@ -25,6 +26,7 @@ use crate::study::expectation::Expectation;
 use crate::study::light;
 use crate::study::stability::outlook;
 use crate::system::interrupt;
+use crate::system::memory::{free, in_words};
 
 /// What to run, what to look at, where to write.
 #[derive(Args, Debug, Clone)]
@@ -210,6 +212,15 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     }
     let mut simulation = args.scene.device.simulate(problem, args.options()?)?;
     LevelArg::Level(args.level).check(simulation.sizes().count())?;
+    // References, fixed points and pictures take about twice what the light does.
+    let needed = 2 * memory::of_simulation::<f32>(simulation.sizes(), simulation.lights().len());
+    if let Some(free) = free().filter(|free| *free < needed) {
+        return Err(CliError::Failed(format!(
+            "measuring this run needs {} of memory and {} are free; use a smaller size, or `lpv-lab cells`",
+            in_words(needed),
+            in_words(free)
+        )));
+    }
     let folder = Folder::of_preset(args.out.as_deref(), &args.scene.preset)?;
     interrupt::listen();
     let wanted: &[Expectation] = if args.ballistic { &[Expectation::Ballistic] } else { &[] };
