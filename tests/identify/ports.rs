@@ -15,6 +15,9 @@ const PI: f64 = std::f64::consts::PI;
 type V = [f64; 3];
 type Grid = Vec<[f64; 4]>;
 
+/// A rule that is no known mistake: cell, direction and flux to flux.
+pub type Strange = fn([usize; 3], usize, f64) -> f64;
+
 /// A port: right but for its mistakes.
 #[derive(Clone, Debug)]
 pub struct Port {
@@ -29,7 +32,7 @@ pub struct Port {
     /// Whether light is kept in the precision of the dump between iterations.
     pub stored: bool,
     /// A rule that is no known mistake, applied to what a face sends: (port, cell, direction, flux) to flux.
-    pub strange: Option<fn([usize; 3], usize, f64) -> f64>,
+    pub strange: Option<Strange>,
     /// Light also goes across edges.
     pub eighteen: bool,
 }
@@ -237,7 +240,7 @@ fn sender(port: &Port, cell: [usize; 3], d: usize, n: usize) -> Option<[usize; 3
         return Some(cell);
     }
     let mut from = cell.map(|c| c as isize);
-    from[d / 2] -= if d % 2 == 0 { 1 } else { -1 };
+    from[d / 2] -= if d.is_multiple_of(2) { 1 } else { -1 };
     let n = n as isize;
     if port.has("edge-border") {
         from = from.map(|c| c.clamp(0, n - 1));
@@ -265,8 +268,8 @@ fn gather(port: &Port, all: &[Vec<Tap>], grid: &Grid, cell: [usize; 3], n: usize
             if let Some(strange) = port.strange {
                 flux = strange(from, d, flux);
             }
-            for c in 0..4 {
-                sum[c] += flux * tap.weight * tap.lobe[c];
+            for (sum, lobe) in sum.iter_mut().zip(&tap.lobe) {
+                *sum += flux * tap.weight * lobe;
             }
         }
     }
