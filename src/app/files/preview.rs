@@ -1,6 +1,6 @@
 //! What a picture will be, before it is saved: the same SVG, smaller.
 
-use egui::{ColorImage, TextureHandle, TextureOptions, Ui, vec2};
+use egui::{ColorImage, TextStyle, TextureHandle, TextureOptions, Ui, vec2};
 
 use super::export;
 use crate::app::session::Session;
@@ -28,8 +28,17 @@ impl Default for Preview {
 }
 
 impl Preview {
-    /// Shows what an export command will save.
+    /// Shows what an export command will save. It takes the same room whether it is drawn already or not: the question
+    /// around it is centred, and must not move under the pointer.
     pub fn ui(&mut self, ui: &mut Ui, session: &Session, command: Command, format: &Format) {
+        let room = vec2(LARGEST[0], LARGEST[1] + ui.text_style_height(&TextStyle::Small) + ui.spacing().item_spacing.y);
+        ui.allocate_ui(room, |ui| {
+            ui.set_min_size(room);
+            self.show(ui, session, command, format);
+        });
+    }
+
+    fn show(&mut self, ui: &mut Ui, session: &Session, command: Command, format: &Format) {
         let key = (command, *format, session.sight.edition);
         let density = ui.pixels_per_point();
         let begun = match self.making.known(&key).is_some() || self.making.is_underway() {
