@@ -18,7 +18,7 @@ pub mod preset;
 mod refusal;
 pub mod state;
 pub mod team;
-pub mod transparency;
+pub mod transmittance;
 
 use std::sync::LazyLock;
 

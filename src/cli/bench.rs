@@ -15,7 +15,7 @@ use crate::report::plot::{Curve, Dash, Figure, Plot};
 use crate::report::table::Table;
 use crate::scene::Problem;
 use crate::study::benchmark::{self, BenchmarkError, Fading, KernelRow, Pipeline, THESIS_MILLISECONDS};
-use crate::study::pareto::made;
+use crate::study::pareto::synthetic;
 use crate::transport::team;
 
 /// What to measure, and where to write.
@@ -125,7 +125,7 @@ fn without_none(sizes: &[usize]) -> Vec<usize> {
 fn scenes(args: &BenchArgs) -> Result<Vec<(String, Problem)>, CliError> {
     if args.presets.is_empty() {
         let sizes = without_none(&args.pareto).into_iter();
-        let made = sizes.flat_map(|size| made::scenes(size, args.factor.unwrap_or(3.0)));
+        let made = sizes.flat_map(|size| synthetic::scenes(size, args.factor.unwrap_or(3.0)));
         return Ok(made.map(|(name, problem)| (name.to_owned(), problem)).collect());
     }
     let preset = |path: &PathBuf| {

@@ -14,7 +14,7 @@ use crate::report::table::Table;
 use crate::scene::Problem;
 use crate::scene::propagation::descent::FARTHEST;
 use crate::study::octree::{self, Row, Way};
-use crate::study::pareto::made;
+use crate::study::pareto::synthetic;
 
 /// Which scenes, which ways, where to write.
 #[derive(Args, Debug)]
@@ -99,7 +99,7 @@ impl OctreeArgs {
         if self.presets.is_empty() {
             let factors = if self.factor.is_empty() { vec![3.8] } else { self.factor.clone() };
             for factor in factors {
-                for (name, mut problem) in made::scenes(self.size, factor) {
+                for (name, mut problem) in synthetic::scenes(self.size, factor) {
                     if let Some(scheme) = &self.scheme {
                         problem.propagation.scheme.clone_from(scheme);
                     }

@@ -72,7 +72,7 @@ mod ordinates {
     use crate::simulation::{Action, Refusal, Simulation};
     use crate::transport::kind::Precision;
     use crate::transport::ordinates::Ordinates;
-    use crate::transport::transparency::Transparency;
+    use crate::transport::transmittance::Transmittance;
     use glam::DVec3;
 
     fn problem(factor: f64) -> Problem {
@@ -110,7 +110,7 @@ mod ordinates {
             let simulation = run::<f32>(&problem);
             let mut injected = Grid::new(8);
             problem.sources[0].light.iter().for_each(|(cell, light)| injected.set(*cell, light.cast()));
-            let occluders = Transparency::new(8, &problem.solids).filter(|_| mode != OcclusionMode::Off);
+            let occluders = Transmittance::new(8, &problem.solids).filter(|_| mode != OcclusionMode::Off);
             let mut wanted = Ordinates::<f32>::of(&problem.propagation.ordinates).solve(&injected, occluders.as_ref());
             wanted.add_grid(&injected);
             let light = &simulation.lights()[0];

@@ -11,7 +11,7 @@
 //! Times are medians over rounds in which all ways take turns. They hold all that is computed between the
 //! injected and the merged light, but not the making of the grids.
 
-pub mod made;
+pub mod synthetic;
 mod way;
 
 use super::expectation::Expectation;
@@ -211,7 +211,7 @@ mod tests {
 
     #[test]
     fn every_way_is_measured_against_what_it_can_be_and_errors_fall() {
-        let [(name, problem), ..] = made::scenes(8, 3.0);
+        let [(name, problem), ..] = synthetic::scenes(8, 3.0);
         let rows = measure(name, &problem, 1, &|_| true).unwrap().unwrap();
         let of = |treatment: Treatment, expectation: Expectation| -> Vec<&Row> {
             let rows = rows.iter().filter(|row| row.preset == "one-wall" && row.propagator.scheme == "cascaded");
@@ -231,7 +231,7 @@ mod tests {
 
     #[test]
     fn occluders_and_colours_are_measured_too_and_nobody_has_to_wait() {
-        let [_, _, (_, mut problem)] = made::scenes(8, 3.0);
+        let [_, _, (_, mut problem)] = synthetic::scenes(8, 3.0);
         problem.sources[0].color = [1.0, 0.5, 0.0];
         problem.occlusion.mode = OcclusionMode::Hard;
         problem.solids = vec![Solid::new([6, 4, 4], DVec3::NEG_X, 1.0, [0.5, 0.0, 0.0])];

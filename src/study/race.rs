@@ -11,7 +11,7 @@ use crate::field::Grid;
 use crate::scene::Problem;
 use crate::simulation::options::Wanted;
 use crate::simulation::{Action, Simulation};
-use crate::study::pareto::made;
+use crate::study::pareto::synthetic;
 use crate::study::reference;
 use crate::transport::lattice::fixed_point::{Found, NoFixedPoint, Solver};
 
@@ -52,7 +52,7 @@ pub fn run(plan: &Plan, mut watch: impl FnMut(&str)) -> Result<Vec<Row>, NoFixed
     let mut rows = Vec::new();
     for &size in &plan.sizes {
         for &factor in &plan.factors {
-            for (name, problem) in made::scenes(size, factor) {
+            for (name, problem) in synthetic::scenes(size, factor) {
                 watch(&format!("{name}, n = {size}, p = {factor}"));
                 rows.extend(row(name, &problem, plan)?);
             }

@@ -22,7 +22,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::transparency::Transparency;
+use super::transmittance::Transmittance;
 use crate::field::{Cell, Grid, Layout};
 use crate::scene::{Occlusion, Problem, Solid, Source};
 use crate::sh::Sh;
@@ -45,7 +45,7 @@ impl Ballistic {
     pub fn new(problem: &Problem, progress: &(dyn Fn(f64) -> bool + Sync)) -> Option<Self> {
         let injected = problem.injected::<f64>(&problem.channels());
         let extents = extents(problem.size);
-        let transparency = Transparency::of(problem);
+        let transparency = Transmittance::of(problem);
         let visibility = transparency.as_ref().map(|cells| Visibility::new(cells, problem.size));
         let channels = injected.len();
         let mut light = Vec::new();

@@ -24,7 +24,7 @@
 #[cfg(test)]
 mod conformance;
 mod course;
-mod head;
+mod first_steps;
 pub mod partition;
 mod sample;
 mod solids;
@@ -51,12 +51,12 @@ use staged::Staged;
 /// Every scheme as a kind of transport, which descends where a problem asks for it.
 pub fn kinds() -> Vec<Kind> {
     let kinds = lattice::kinds().into_iter();
-    kinds.map(|kind| Kind { bytes, single: made::<f32>, double: Some(made::<f64>), ..kind }).collect()
+    kinds.map(|kind| Kind { bytes, single: build::<f32>, double: Some(build::<f64>), ..kind }).collect()
 }
 
-fn made<T: Real>(setup: &Setup) -> Result<Box<dyn Transport<T>>, Refusal> {
+fn build<T: Real>(setup: &Setup) -> Result<Box<dyn Transport<T>>, Refusal> {
     match setup.problem.propagation.descent {
-        Asked::Off => lattice::Lattice::made(setup),
+        Asked::Off => lattice::Lattice::build(setup),
         _ => Ok(Box::new(Staged::new(setup)?)),
     }
 }

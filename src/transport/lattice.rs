@@ -11,15 +11,14 @@
 //! [`Transport::still_to_come`] is that bound over what has been accumulated, on the level where it is largest. For
 //! g ≥ 1 (cascaded: p ≥ 4), or light without clamps that is not in the cone, nothing is proved and no run stops early.
 
-pub mod active;
-pub mod barrier;
 mod ceiling;
 mod coarse;
 pub mod exact;
 pub mod face;
 pub mod fixed_point;
-pub mod geometry;
+pub mod geometry_volume;
 mod hand_down;
+pub mod hard_solids;
 mod iterate;
 pub mod kernel;
 mod known;
@@ -28,6 +27,7 @@ pub mod linear;
 pub(in crate::transport) mod occlusion;
 #[cfg(feature = "gpu")]
 mod parts;
+pub mod reach;
 pub mod scheme;
 pub mod schemes;
 pub mod stencil;
@@ -51,7 +51,7 @@ use kernel::occluded::Which;
 use kernel::plain;
 use known::Known;
 use linear::linear_form;
-use occlusion::Obstacles;
+use occlusion::LatticeSolids;
 use scheme::Scheme;
 use stencil::Stencil;
 
@@ -72,8 +72,8 @@ fn kind(scheme: &Scheme) -> Kind {
         check: |_| Ok(()),
         label: |propagation| propagation.scheme.clone(),
         bytes,
-        single: Lattice::made,
-        double: Some(Lattice::made),
+        single: Lattice::build,
+        double: Some(Lattice::build),
         card: None,
     }
 }
@@ -110,7 +110,7 @@ pub struct Lattice<T> {
     forms: Vec<Option<Form<T>>>,
     /// What light that comes to rest on each level is multiplied with, by band.
     residences: Vec<[f64; 2]>,
-    obstacles: Option<Arc<Obstacles<T>>>,
+    obstacles: Option<Arc<LatticeSolids<T>>>,
     /// By level the cells that accumulate, where not all do.
     accumulating: Option<Arc<Vec<Marks>>>,
     /// By channel and level; `None` after anything but an iteration has touched the light.
@@ -142,7 +142,7 @@ impl<T: Real> Lattice<T> {
         };
         Ok(Lattice {
             forms: stencils.iter().map(Form::of).collect(),
-            obstacles: Obstacles::new(problem, *sizes, &scheme).map(Arc::new),
+            obstacles: LatticeSolids::new(problem, *sizes, &scheme).map(Arc::new),
             accumulating: accumulating(problem, *sizes).map(Arc::new),
             ceiling,
             coarse,
@@ -154,7 +154,7 @@ impl<T: Real> Lattice<T> {
         })
     }
 
-    pub(super) fn made(setup: &Setup) -> Result<Box<dyn Transport<T>>, Refusal> {
+    pub(super) fn build(setup: &Setup) -> Result<Box<dyn Transport<T>>, Refusal> {
         Ok(Box::new(Lattice::new(setup)?))
     }
 
@@ -262,14 +262,14 @@ impl<T: Real> Transport<T> for Lattice<T> {
 /// One iteration of one level by the definition. Where albedos have colours each channel is one; where not, any
 /// colour will do.
 fn step<T: Real>(
-    acting: Option<&Obstacles<T>>,
+    acting: Option<&LatticeSolids<T>>,
     stencil: &Stencil<T>,
     which: Which,
     source: &Grid<T>,
     target: &mut Grid<T>,
 ) {
     match acting {
-        Some(Obstacles { occluders, .. }) => occluders.propagate(stencil, which, source, target),
+        Some(LatticeSolids { occluders, .. }) => occluders.propagate(stencil, which, source, target),
         None => plain::propagate(stencil, source, target),
     }
 }

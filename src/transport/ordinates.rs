@@ -28,7 +28,7 @@ use glam::DVec3;
 
 use super::kind::{Capabilities, Kind, Law};
 use super::team;
-use super::transparency::Transparency;
+use super::transmittance::Transmittance;
 use crate::field::Grid;
 use crate::scene::Propagation;
 use crate::scene::propagation::ordinates::{Lattice, Rule, Setting};
@@ -53,8 +53,8 @@ pub fn kinds() -> Vec<Kind> {
         check: |_| Ok(()),
         label,
         bytes: beams::bytes,
-        single: Beams::made,
-        double: Some(Beams::made),
+        single: Beams::build,
+        double: Some(Beams::build),
         card: None,
     }]
 }
@@ -142,7 +142,7 @@ impl<T: Real> Ordinates<T> {
 
     /// What arrives in each cell, Σ_j F_j·Y(u_j), once all injected light has gone all its way. A cell's own
     /// light is not in it.
-    pub fn solve(&self, injected: &Grid<T>, occluders: Option<&Transparency>) -> Grid<T> {
+    pub fn solve(&self, injected: &Grid<T>, occluders: Option<&Transmittance>) -> Grid<T> {
         let mut arrived = Grid::new(injected.side());
         self.solve_in(&mut Room::new(injected.side()), injected, occluders, &mut arrived);
         arrived
@@ -153,7 +153,7 @@ impl<T: Real> Ordinates<T> {
         &self,
         room: &mut Room<T>,
         injected: &Grid<T>,
-        occluders: Option<&Transparency>,
+        occluders: Option<&Transmittance>,
         arrived: &mut Grid<T>,
     ) {
         let lit = sweep::lit_rows(injected);
@@ -263,7 +263,7 @@ mod tests {
     #[test]
     fn light_does_not_turn_back_nor_pass_a_closed_wall() {
         let wall: Vec<Solid> = (0..64).map(|i| Solid::new([5, i % 8, i / 8], DVec3::X, 1.0, [0.0; 3])).collect();
-        let occluders = Transparency::new(8, &wall);
+        let occluders = Transmittance::new(8, &wall);
         for (lattice, count, rule) in KINDS {
             let arrived =
                 Ordinates::<f32>::new(lattice, count, rule).solve(&lobe_in(8, [1, 4, 3], DVec3::X), occluders.as_ref());

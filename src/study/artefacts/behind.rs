@@ -17,7 +17,7 @@ use crate::field::{Cell, Layout, Marks};
 use crate::scene::{Problem, Solid};
 use crate::transport::ballistic::visibility::Visibility;
 use crate::transport::lattice::face::Direction;
-use crate::transport::transparency::Transparency;
+use crate::transport::transmittance::Transmittance;
 
 /// The most cells along a side that are looked at one by one.
 const LOOKED_AT: usize = 16;
@@ -40,7 +40,7 @@ impl Behind {
         // The geometry of the occluders, whatever they let through.
         let close = |solid: &Solid| Solid { opacity: solid.opacity.map(|c| if c > 0.0 { 1.0 } else { 0.0 }), ..*solid };
         let opaque: Vec<Solid> = problem.solids.iter().map(close).collect();
-        let opaque = Transparency::new(n, &opaque)?;
+        let opaque = Transmittance::new(n, &opaque)?;
         let lit = lit(problem);
         let lights: Vec<Cell> = Layout::new(n).cells().filter(|cell| lit.get(*cell)).collect();
         let every = lights.len().div_ceil(LOOKED_FOR).max(1);
@@ -110,7 +110,7 @@ pub(super) fn lit(problem: &Problem) -> Marks {
 }
 
 /// What can be reached from the lit cells, step by step through faces of free cells.
-fn reached(lit: &Marks, opaque: &Transparency) -> Marks {
+fn reached(lit: &Marks, opaque: &Transmittance) -> Marks {
     let n = lit.side();
     let mut reached = lit.clone();
     let mut front: Vec<Cell> = Layout::new(n).cells().filter(|cell| lit.get(*cell)).collect();

@@ -16,7 +16,7 @@ use crate::study::reference;
 use crate::transport::lattice::fixed_point::{NoFixedPoint, Solver};
 use crate::transport::lattice::schemes;
 use crate::transport::ordinates::{self, Ordinates, Room};
-use crate::transport::transparency::Transparency;
+use crate::transport::transmittance::Transmittance;
 
 /// Iterations after which a scheme is looked at.
 pub(super) const ITERATIONS: [usize; 6] = [1, 2, 4, 8, 16, 32];
@@ -36,7 +36,7 @@ pub(super) enum Way {
 pub(super) struct Start {
     problem: Problem,
     pub(super) injected: Simulation<f32>,
-    occluders: Option<Transparency>,
+    occluders: Option<Transmittance>,
 }
 
 /// The light of a way, and where it came from.
@@ -53,7 +53,7 @@ impl Start {
     pub(super) fn new(problem: &Problem) -> Result<Self, Refusal> {
         let problem = with(problem, schemes::names()[0], Treatment::Uniform, 0);
         let blocks = problem.occlusion.mode != OcclusionMode::Off;
-        let occluders = Transparency::new(problem.size, if blocks { &problem.solids } else { &[] });
+        let occluders = Transmittance::new(problem.size, if blocks { &problem.solids } else { &[] });
         Ok(Start { injected: reference::injected(&problem)?, occluders, problem })
     }
 }

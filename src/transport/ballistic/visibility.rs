@@ -3,12 +3,12 @@
 use std::cmp::Ordering;
 
 use crate::field::Cell;
-use crate::transport::transparency::Transparency;
+use crate::transport::transmittance::Transmittance;
 
 /// Lines of sight among the cells of a volume.
 #[derive(Clone, Debug)]
 pub struct Visibility<'a> {
-    cells: &'a Transparency,
+    cells: &'a Transmittance,
     n: usize,
     /// At (x, y, z) of (n + 1)³, x fastest: how many cells below x, below y and below z weaken light.
     below: Vec<u32>,
@@ -16,7 +16,7 @@ pub struct Visibility<'a> {
 
 impl<'a> Visibility<'a> {
     /// Of an n³ volume.
-    pub fn new(cells: &'a Transparency, n: usize) -> Self {
+    pub fn new(cells: &'a Transmittance, n: usize) -> Self {
         let side = n + 1;
         let mut below = vec![0u32; side.pow(3)];
         for z in 0..n {
@@ -108,9 +108,9 @@ mod tests {
     use crate::scene::Solid;
     use glam::DVec3;
 
-    fn among(cells: &[(Cell, f64)]) -> Transparency {
+    fn among(cells: &[(Cell, f64)]) -> Transmittance {
         let blocker = |&(cell, opacity): &(Cell, f64)| Solid::new(cell, DVec3::X, opacity, [0.0; 3]);
-        Transparency::new(8, &cells.iter().map(blocker).collect::<Vec<_>>()).unwrap()
+        Transmittance::new(8, &cells.iter().map(blocker).collect::<Vec<_>>()).unwrap()
     }
 
     #[test]

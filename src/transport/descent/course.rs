@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::head::{Head, Launch};
+use super::first_steps::{FirstSteps, Launch};
 use super::partition::{self, Tiling};
 use super::sample;
 use super::solids::Solids;
@@ -108,7 +108,7 @@ impl<T: Real> Descent<T> {
     /// Takes up the light that level 0 of each channel holds, as injected.
     pub fn take_up(&mut self, injected: &[&Grid<T>]) {
         let launch = Launch { form: &self.form, solids: self.solids.as_deref(), snapshots: self.snapshots };
-        let heads: Vec<Head<T>> =
+        let heads: Vec<FirstSteps<T>> =
             injected.iter().enumerate().map(|(colour, light)| launch.run(colour, light)).collect();
         let mut near = Marks::new(self.sizes.finest());
         for head in &heads {
@@ -128,7 +128,11 @@ impl<T: Real> Descent<T> {
         (self.stage, self.clean) = (0, false);
     }
 
-    fn channel(&self, colour: usize, Head { taken, stays, lit, moved: first, mut reached }: Head<T>) -> Channel<T> {
+    fn channel(
+        &self,
+        colour: usize,
+        FirstSteps { taken, stays, lit, moved: first, mut reached }: FirstSteps<T>,
+    ) -> Channel<T> {
         let mut moved = Octree::new(self.sizes);
         let at = |grid: &Grid<T>, marks: &Marks| -> Vec<(usize, Sh<T>)> {
             let layout = grid.layout();

@@ -17,7 +17,7 @@ use crate::scene::propagation::descent::Descent;
 use crate::transport::divergence::Divergence;
 use crate::transport::kind::{Setup, Transport};
 use crate::transport::lattice::Lattice;
-use crate::transport::lattice::kernel::occluded::Occluders;
+use crate::transport::lattice::kernel::occluded::OcclusionLaw;
 use crate::transport::options::{Kernel, Wanted, Work};
 use crate::transport::refusal::Refusal;
 use crate::transport::state::State;
@@ -40,7 +40,7 @@ pub struct OnCard {
 
 impl OnCard {
     /// For the scheme of a problem; refused where there is no card, or it cannot do what is asked for.
-    pub fn made(setup: &Setup) -> Result<Box<dyn Transport<f32>>, Refusal> {
+    pub fn build(setup: &Setup) -> Result<Box<dyn Transport<f32>>, Refusal> {
         let no = |what: String| Refusal::Device { what };
         if setup.options.tolerance.is_some() {
             return Err(no(
@@ -221,13 +221,13 @@ fn constants(lattice: &Lattice<f32>) -> Option<Constants> {
     let forms = lattice.forms().iter().copied().collect::<Option<Vec<_>>>()?;
     let levels = forms.into_iter().zip(lattice.stencils().iter().cloned()).collect();
     let solids = lattice.solids().map(|(occluders, _)| match occluders {
-        Occluders::Fuzzy(fuzzy) => Solids::Fuzzy {
+        OcclusionLaw::Fuzzy(fuzzy) => Solids::Fuzzy {
             amplifier: fuzzy.amplifier,
             bounce: fuzzy.bounce,
             reflection: crate::transport::lattice::kernel::occluded::REFLECTION as f32,
         },
-        Occluders::Hard(_) => Solids::Hard,
-        Occluders::Mirrored(_) => Solids::Mirrored,
+        OcclusionLaw::Hard(_) => Solids::Hard,
+        OcclusionLaw::Mirrored(_) => Solids::Mirrored,
     });
     Some(Constants { levels, plain: lattice.keeps_source(0), solids })
 }

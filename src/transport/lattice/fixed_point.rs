@@ -24,9 +24,9 @@
 //!
 //! **The guarantee** is the true residual, summed over all cells: ‖S_J + P·B − B‖₂ ≤ tolerance·‖S_J‖₂.
 
-mod halves;
-mod head;
-mod lit;
+mod chessboard;
+mod clamped_steps;
+mod lit_rows;
 mod roots;
 mod sweep;
 
@@ -36,9 +36,9 @@ use super::stencil::Stencil;
 use crate::field::Grid;
 use crate::scene::{Problem, Propagation};
 use crate::transport::{Refusal, known, team};
-use halves::{Half, Shape};
-use head::Head;
-use lit::Lit;
+use chessboard::{Half, Shape};
+use clamped_steps::ClampedSteps;
+use lit_rows::LitRows;
 use roots::Roots;
 
 /// Sweeps without getting near enough, after which the solver gives up.
@@ -132,7 +132,7 @@ pub struct Solver {
     scheme: String,
     factor: f64,
     roots: Roots,
-    head: Head,
+    clamped: ClampedSteps,
     tail: Tail,
 }
 
@@ -146,7 +146,7 @@ struct Tail {
     b: Half,
     x: Half,
     /// The rows that the last injection left lit.
-    stale: Lit,
+    stale: LitRows,
 }
 
 impl Solver {
@@ -173,8 +173,8 @@ impl Solver {
             scheme: propagation.scheme.clone(),
             factor: propagation.factor,
             roots: Roots::new(&form.share, n),
-            head: Head::new(&form, cone, n),
-            tail: Tail { shape, rest: [half(), half()], b: half(), x: half(), stale: Lit::nowhere(n) },
+            clamped: ClampedSteps::new(&form, cone, n),
+            tail: Tail { shape, rest: [half(), half()], b: half(), x: half(), stale: LitRows::nowhere(n) },
         })
     }
 
@@ -187,23 +187,23 @@ impl Solver {
         watch: &mut impl FnMut(f64) -> bool,
     ) -> Result<Option<Found>, NoFixedPoint> {
         team::stay_awake();
-        if !self.head.run(injected, light) {
+        if !self.clamped.run(injected, light) {
             return Err(NoFixedPoint::Clamped { scheme: self.scheme.clone() });
         }
         if self.tail.shape.n == 1 {
             // No neighbour, no way for light to come back.
-            light.add_grid(self.head.light());
+            light.add_grid(self.clamped.light());
             return Ok(Some(Found { residual: 0.0, sweeps: 0 }));
         }
         let share = &self.share;
         let Tail { shape, rest, b, x, stale } = &mut self.tail;
         let shape = *shape;
-        let mut lit = Lit::rows_of(self.head.lit());
+        let mut lit = LitRows::rows_of(self.clamped.lit());
         // What is lit is overwritten before it is read.
         if !lit.is_everywhere() {
             [&mut *b, &mut *x].into_iter().chain(rest.iter_mut()).for_each(|half| half.clear(shape, stale));
         }
-        let whole = halves::split(self.head.light(), &lit, rest);
+        let whole = chessboard::split(self.clamped.light(), &lit, rest);
         if whole == 0.0 {
             return Ok(Some(Found { residual: 0.0, sweeps: 0 }));
         }
@@ -225,7 +225,7 @@ impl Solver {
             }
             if residual <= tolerance {
                 sweep::send(shape, share, 1, &lit, from, next);
-                halves::join(from, [odd, next], stale, light);
+                chessboard::join(from, [odd, next], stale, light);
                 return Ok(Some(Found { residual, sweeps }));
             }
             lit.clone_from(stale);

@@ -6,13 +6,13 @@
 use std::ops::Range;
 
 use super::Lattice;
-use super::active::grown;
-use super::kernel::among::{self, Among};
 use super::kernel::form::Form;
 use super::kernel::occluded::Which;
+use super::kernel::with_solids::{self, WithSolids};
 use super::kernel::{Level, Order, blocked, pass};
 use super::known::Known;
-use super::occlusion::Obstacles;
+use super::occlusion::LatticeSolids;
+use super::reach::grown;
 use super::stencil::Stencil;
 use crate::field::{Grid, IndexVolume, Layout, Marks, row_mask};
 use crate::scene::propagation::Snapshots;
@@ -168,7 +168,7 @@ struct Stage<'a, T> {
     level: usize,
     colour: usize,
     stencil: &'a Stencil<T>,
-    obstacles: Option<&'a Obstacles<T>>,
+    obstacles: Option<&'a LatticeSolids<T>>,
     /// The cells that accumulate, where not all do.
     accumulating: Option<&'a Marks>,
 }
@@ -206,7 +206,7 @@ impl<'a, T: Real> Stage<'a, T> {
             };
             let need = needs.map(|needs| &needs[done..done + depth]);
             let tally = match among {
-                Some(among) => among::advance(&order, &mut level, threads, need, among),
+                Some(among) => with_solids::advance(&order, &mut level, threads, need, among),
                 None => pass::advance(&order, &mut level, depth, threads, need),
             };
             if let Some(cells) = self.accumulating {
@@ -222,11 +222,11 @@ impl<'a, T: Real> Stage<'a, T> {
     }
 
     /// The occluders that act in an iteration, counted from 1.
-    fn among(&self, iteration: usize) -> Option<Among<'a, T>> {
+    fn among(&self, iteration: usize) -> Option<WithSolids<'a, T>> {
         let obstacles = self.obstacles?.acting(iteration)?;
         let (occluders, touched) = (&obstacles.occluders, &obstacles.touched[self.level]);
         let which = Which { level: self.level, colour: self.colour, blocks: obstacles.blocks(iteration) };
-        Some(Among { occluders, which, touched, stencil: self.stencil })
+        Some(WithSolids { occluders, which, touched, stencil: self.stencil })
     }
 }
 

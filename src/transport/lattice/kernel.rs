@@ -5,26 +5,26 @@
 //! with what may be skipped in it (`found` looks at what came out), [`step`] one iteration, [`among`] one
 //! among occluders, [`blocked`] several in one pass over memory, and [`pass`] chooses between the last two. [`crate::transport::team`] is how threads share that work.
 
-pub mod among;
 pub mod blocked;
-mod carve;
 #[cfg(test)]
 mod conformance;
 pub mod form;
-mod found;
 mod fuzzy;
 mod gather;
+mod inspect;
 pub mod occluded;
 pub mod pass;
 pub mod plain;
 mod row;
 mod slab;
+mod split;
 pub mod step;
+pub mod with_solids;
 
 use crate::field::{Grid, Marks};
 use crate::sh::{Real, Sh};
 
-pub use found::lies_in_cone;
+pub use inspect::lies_in_cone;
 pub use slab::{Instructions, Order, Tally};
 
 /// A coefficient smaller than this in magnitude is taken as zero after every iteration, in every kernel

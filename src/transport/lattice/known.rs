@@ -1,8 +1,8 @@
 //! What the fast loops know about light from one iteration to the next.
 
-use super::active::everywhere;
 use super::kernel::form::Form;
 use super::kernel::lies_in_cone;
+use super::reach::everywhere;
 use crate::field::{IndexVolume, Marks};
 use crate::sh::Real;
 use crate::transport::options::Options;

@@ -1,9 +1,9 @@
 //! What a problem's occluders are to a scheme: which kind of occluders, and from which iteration on.
 
-use super::active::grown;
-use super::barrier::Barrier;
-use super::geometry::Geometry;
-use super::kernel::occluded::{Fuzzy, Hard, Mirrored, Occluders, Touched};
+use super::geometry_volume::GeometryVolume;
+use super::hard_solids::HardSolids;
+use super::kernel::occluded::{Fuzzy, Hard, Mirrored, OcclusionLaw, Touched};
+use super::reach::grown;
 use super::scheme::{Scheme, Surface};
 use super::schemes;
 use crate::field::{IndexVolume, Layout, Levels, Marks, memory};
@@ -13,8 +13,8 @@ use crate::sh::Real;
 
 /// The occluders of a scene as a scheme sees them.
 #[derive(Clone, Debug)]
-pub(super) struct Obstacles<T> {
-    pub(super) occluders: Occluders<T>,
+pub(super) struct LatticeSolids<T> {
+    pub(super) occluders: OcclusionLaw<T>,
     /// The first iteration in which they stop light, counted from 1.
     from_iteration: usize,
     /// Whether they reflect light before that.
@@ -23,7 +23,7 @@ pub(super) struct Obstacles<T> {
     pub(super) touched: Vec<Touched<T>>,
 }
 
-impl<T: Real> Obstacles<T> {
+impl<T: Real> LatticeSolids<T> {
     /// `None` where there are none.
     pub(super) fn new(problem: &Problem, sizes: Levels, scheme: &Scheme) -> Option<Self> {
         let occlusion = problem.occlusion;
@@ -33,15 +33,15 @@ impl<T: Real> Obstacles<T> {
         // Reflection is what a mirroring scheme is; in the others it is an extra that the preset asks for.
         let mirrors = scheme.surface == Surface::Mirrored;
         let between = occlusion.mode == OcclusionMode::Fuzzy && !mirrors;
-        let geometry = Geometry::new(sizes, if between { problem.blockers() } else { &problem.solids });
+        let geometry = GeometryVolume::new(sizes, if between { problem.blockers() } else { &problem.solids });
         let (occluders, from_iteration) = match occlusion.mode {
             OcclusionMode::Hard => {
                 let injected = problem.sources.iter().flat_map(|source| &source.light);
-                let barrier = Barrier::new(sizes, &problem.solids, injected.map(|(cell, _)| *cell));
+                let hard_solids = HardSolids::new(sizes, &problem.solids, injected.map(|(cell, _)| *cell));
                 let bounce = if mirrors { 1.0 } else { occlusion.bounce };
-                (Occluders::Hard(Hard { barrier, geometry, bounce: T::of(bounce) }), 0)
+                (OcclusionLaw::Hard(Hard { hard_solids, geometry, bounce: T::of(bounce) }), 0)
             }
-            _ if mirrors => (Occluders::Mirrored(Mirrored { geometry }), 0),
+            _ if mirrors => (OcclusionLaw::Mirrored(Mirrored { geometry }), 0),
             _ => {
                 let fuzzy = Fuzzy {
                     geometry,
@@ -49,12 +49,12 @@ impl<T: Real> Obstacles<T> {
                     along_travel: occlusion.sign == BlockingSign::AlongTravel,
                     bounce: T::of(occlusion.bounce),
                 };
-                (Occluders::Fuzzy(fuzzy), occlusion.from_iteration)
+                (OcclusionLaw::Fuzzy(fuzzy), occlusion.from_iteration)
             }
         };
         let touched = (0..sizes.count()).map(|i| occluders.touched(i, sizes.side(i))).collect();
-        let reflects = matches!(&occluders, Occluders::Fuzzy(fuzzy) if fuzzy.bounce != T::ZERO);
-        Some(Obstacles { occluders, from_iteration, reflects, touched })
+        let reflects = matches!(&occluders, OcclusionLaw::Fuzzy(fuzzy) if fuzzy.bounce != T::ZERO);
+        Some(LatticeSolids { occluders, from_iteration, reflects, touched })
     }
 
     /// Itself, if they act in an iteration, counted from 1.
@@ -69,9 +69,9 @@ impl<T: Real> Obstacles<T> {
 
     /// Sees to it that cells which hard occluders let no light enter are sampled at level 0.
     pub(super) fn mark_shut(&self, index: &mut IndexVolume) {
-        if let Occluders::Hard(hard) = &self.occluders {
+        if let OcclusionLaw::Hard(hard) = &self.occluders {
             let marks = index.level_mut(0);
-            hard.barrier.shut().for_each(|cell| marks.set(cell));
+            hard.hard_solids.shut().for_each(|cell| marks.set(cell));
         }
     }
 
@@ -84,8 +84,8 @@ impl<T: Real> Obstacles<T> {
 /// The hard occluders of a problem under its scheme, if it has such.
 pub(in crate::transport) fn hard<T: Real>(problem: &Problem, sizes: Levels) -> Option<Hard<T>> {
     let scheme = schemes::find(&problem.propagation.scheme)?;
-    match Obstacles::new(problem, sizes, &scheme)?.occluders {
-        Occluders::Hard(hard) => Some(hard),
+    match LatticeSolids::new(problem, sizes, &scheme)?.occluders {
+        OcclusionLaw::Hard(hard) => Some(hard),
         _ => None,
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Lattice;
 use super::kernel::form::Form;
-use super::kernel::occluded::{Occluders, Touched};
+use super::kernel::occluded::{OcclusionLaw, Touched};
 use super::known::Known;
 use super::stencil::Stencil;
 use crate::field::Marks;
@@ -21,7 +21,7 @@ impl Lattice<f32> {
     }
 
     /// What stands in the light's way, and by level the cells that it touches.
-    pub(in crate::transport) fn solids(&self) -> Option<(&Occluders<f32>, &[Touched<f32>])> {
+    pub(in crate::transport) fn solids(&self) -> Option<(&OcclusionLaw<f32>, &[Touched<f32>])> {
         self.obstacles.as_ref().map(|obstacles| (&obstacles.occluders, obstacles.touched.as_slice()))
     }
 

@@ -25,7 +25,7 @@ use crate::transport::kind::{Setup, Transport};
 use crate::transport::options::Work;
 use crate::transport::refusal::Refusal;
 use crate::transport::state::{Light, State, accumulate, accumulating};
-use crate::transport::transparency::Transparency;
+use crate::transport::transmittance::Transmittance;
 
 /// The factor at which nothing is lost or gained.
 const KEEPS_ALL: f64 = 4.0;
@@ -36,7 +36,7 @@ pub(super) struct Beams<T> {
     problem: Arc<Problem>,
     channels: Channels,
     steppers: Vec<Stepper<T>>,
-    transparency: Option<Arc<Transparency>>,
+    transparency: Option<Arc<Transmittance>>,
     /// By level the cells that accumulate, where not all do.
     accumulating: Option<Arc<Vec<Marks>>>,
     gain: f64,
@@ -66,7 +66,7 @@ impl<T: Real> Beams<T> {
         let ordinates = Ordinates::of(&problem.propagation.ordinates);
         Beams {
             steppers: (0..channels.count()).map(|_| Stepper::new(ordinates.clone(), problem.size)).collect(),
-            transparency: Transparency::of(problem).map(Arc::new),
+            transparency: Transmittance::of(problem).map(Arc::new),
             accumulating: accumulating(problem, *sizes).map(Arc::new),
             gain: problem.propagation.factor / KEEPS_ALL,
             flux: 0.0,
@@ -78,7 +78,7 @@ impl<T: Real> Beams<T> {
         }
     }
 
-    pub(super) fn made(setup: &Setup) -> Result<Box<dyn Transport<T>>, Refusal> {
+    pub(super) fn build(setup: &Setup) -> Result<Box<dyn Transport<T>>, Refusal> {
         Ok(Box::new(Beams::new(setup)))
     }
 }

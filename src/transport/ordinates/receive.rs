@@ -63,11 +63,11 @@ mod tests {
     use crate::scene::propagation::ordinates::{Lattice, Rule};
     use crate::sh::{K0, Sh};
     use crate::transport::ordinates::Ordinates;
-    use crate::transport::transparency::Transparency;
+    use crate::transport::transmittance::Transmittance;
     use glam::DVec3;
 
     /// A cell's c00 of 1 at (3, 4, 3), and what surfaces receive of it in so many steps.
-    fn received(receivers: &[Receiver], walls: Option<&Transparency>, steps: usize) -> (Vec<f64>, Grid<f32>) {
+    fn received(receivers: &[Receiver], walls: Option<&Transmittance>, steps: usize) -> (Vec<f64>, Grid<f32>) {
         let mut stepper = Stepper::<f32>::new(Ordinates::new(Lattice::Octahedral, 72, Rule::Faces), 8);
         stepper.inject([3, 4, 3], Sh([1.0, 0.0, 0.0, 0.0]));
         let (mut arrived, mut sums) = (Grid::new(8), vec![0.0; receivers.len()]);
@@ -93,7 +93,7 @@ mod tests {
         }
         let walls: Vec<Solid> = receivers.iter().map(|r| Solid::new(r.cell, r.normal, 1.0, [0.0; 3])).collect();
         let sent = 2.0 * std::f64::consts::PI.sqrt();
-        let sum: f64 = received(&receivers, Transparency::new(8, &walls).as_ref(), 24).0.iter().sum();
+        let sum: f64 = received(&receivers, Transmittance::new(8, &walls).as_ref(), 24).0.iter().sum();
         assert!((sum / sent - 1.0).abs() < 1e-4, "{sum}, {sent}");
     }
 

@@ -10,7 +10,7 @@ use super::{Group, LANES, Lanes, Octant, Ordinates};
 use crate::field::{Cell, Grid, Layout};
 use crate::scene::propagation::ordinates::Rule;
 use crate::sh::{K0, K1, Real, Sh};
-use crate::transport::transparency::Transparency;
+use crate::transport::transmittance::Transmittance;
 
 /// Pieces that the directions are cut into: always the same, so that the sum is too.
 const PIECES: usize = 4;
@@ -87,7 +87,7 @@ impl<T: Real> Stepper<T> {
 
     /// One iteration: sets `arrived` to Σ_j F_j·Y(u_j) of what then comes into each cell. Whatever leaves a cell is
     /// multiplied with `gain`.
-    pub fn step(&mut self, gain: T, occluders: Option<&Transparency>, arrived: &mut Grid<T>) {
+    pub fn step(&mut self, gain: T, occluders: Option<&Transmittance>, arrived: &mut Grid<T>) {
         let groups: Vec<Wind<'_, T>> =
             self.ordinates.octants.iter().flat_map(|octant| octant.groups.iter().map(move |g| (octant, g))).collect();
         let dark = [[T::ZERO; LANES]; 3];
@@ -133,7 +133,7 @@ fn advance<T: Real>(
     rule: Rule,
     gain: T,
     (unsent, surfaces): (&Grid<T>, &Surfaces<T>),
-    occluders: Option<&Transparency>,
+    occluders: Option<&Transmittance>,
     under_way: &mut [Came<T>],
 ) {
     let n = unsent.side();
@@ -205,7 +205,7 @@ mod tests {
     #[test]
     fn stepping_to_the_end_gives_what_one_sweep_gives() {
         let solids = [Solid::new([4, 3, 3], DVec3::X, 1.0, [0.0; 3]), Solid::new([2, 5, 3], DVec3::X, 0.4, [0.0; 3])];
-        let occluders = Transparency::new(8, &solids);
+        let occluders = Transmittance::new(8, &solids);
         let mut injected = Grid::new(8);
         injected.set([2, 3, 3], Sh::lobe(DVec3::X));
         injected.set([7, 0, 5], Sh([0.3, -0.1, 0.0, 0.2]));

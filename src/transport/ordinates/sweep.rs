@@ -13,7 +13,7 @@ use crate::field::{Grid, Marks};
 use crate::scene::propagation::ordinates::Rule;
 use crate::sh::{K0, K1, Real, Sh};
 use crate::transport::lattice::kernel::FLOOR;
-use crate::transport::transparency::Transparency;
+use crate::transport::transmittance::Transmittance;
 
 /// Where a grid is lit: for every row (y, z), y fastest, the cells from its first to its last lit one.
 pub(super) fn lit_rows<T: Real>(grid: &Grid<T>) -> Vec<Range<usize>> {
@@ -33,7 +33,7 @@ pub(super) fn sweep<T: Real>(
     octant: &Octant<T>,
     rule: Rule,
     (injected, lit): (&Grid<T>, &[Range<usize>]),
-    occluders: Option<&Transparency>,
+    occluders: Option<&Transmittance>,
     under_way: &mut Vec<Lanes<T>>,
     arrived: &mut Grid<T>,
 ) {
@@ -47,7 +47,7 @@ fn best<T: Real>(
     octant: &Octant<T>,
     rule: Rule,
     (injected, lit): (&Grid<T>, &[Range<usize>]),
-    occluders: Option<&Transparency>,
+    occluders: Option<&Transmittance>,
     under_way: &mut Vec<Lanes<T>>,
     arrived: &mut Grid<T>,
 ) {
@@ -61,7 +61,7 @@ fn best<T: Real>(
 fn any<T: Real, const DONOR: bool>(
     octant: &Octant<T>,
     (injected, lit): (&Grid<T>, &[Range<usize>]),
-    occluders: Option<&Transparency>,
+    occluders: Option<&Transmittance>,
     under_way: &mut Vec<Lanes<T>>,
     arrived: &mut Grid<T>,
 ) {

@@ -8,12 +8,12 @@ use super::walls;
 use crate::field::{Cell, Grid, Layout, Levels, Marks, Octree};
 use crate::scene::Solid;
 use crate::sh::{LOBE0, Sh};
-use crate::transport::lattice::active::everywhere;
-use crate::transport::lattice::barrier::Barrier;
-use crate::transport::lattice::geometry::Geometry;
+use crate::transport::lattice::geometry_volume::GeometryVolume;
+use crate::transport::lattice::hard_solids::HardSolids;
 use crate::transport::lattice::kernel::form::{Form, Share};
-use crate::transport::lattice::kernel::occluded::{Hard, Occluders, Which};
+use crate::transport::lattice::kernel::occluded::{Hard, OcclusionLaw, Which};
 use crate::transport::lattice::kernel::{self, Instructions, Level, Order};
+use crate::transport::lattice::reach::everywhere;
 use crate::transport::lattice::schemes::{cascaded, find};
 use crate::transport::lattice::stencil::Stencil;
 
@@ -175,9 +175,9 @@ fn walls_between_finest_leaves_are_those_of_the_uniform_volume() {
     let cells = Layout::new(N).cells().filter(|[x, y, z]| *x == 5 && (*y, *z) != (3, 4));
     let solids: Vec<Solid> = cells.map(solid).collect();
     let sizes = Levels::new(N, 1).unwrap();
-    let (barrier, geometry) = (Barrier::new(sizes, &solids, [[0, 0, 0]]), Geometry::new(sizes, &solids));
-    let hard = Hard { barrier, geometry, bounce: 0.8 };
-    let occluders = Occluders::Hard(hard.clone());
+    let (hard_solids, geometry) = (HardSolids::new(sizes, &solids, [[0, 0, 0]]), GeometryVolume::new(sizes, &solids));
+    let hard = Hard { hard_solids, geometry, bounce: 0.8 };
+    let occluders = OcclusionLaw::Hard(hard.clone());
     let mut source = Octree::new(sizes);
     for (k, cell) in Layout::new(N).cells().enumerate() {
         source.level_mut(0).set(cell, some_light(k));

@@ -47,7 +47,7 @@ pub struct Solid<'a, T> {
 
 impl<T: Real> Walls for Solid<'_, T> {
     fn passes(&self, level: usize, cell: Cell, axis: usize) -> f64 {
-        self.hard.barrier.passes(level, cell, axis).to_f64()
+        self.hard.hard_solids.passes(level, cell, axis).to_f64()
     }
 
     fn mirrors(&self, level: usize, cell: Cell) -> f64 {
@@ -59,7 +59,7 @@ impl<T: Real> Solid<'_, T> {
     /// Makes the cells of a level dark that no light can enter: the filter hands light on without looking.
     pub fn darken(&self, level: usize, light: &mut Grid<T>) {
         for cell in light.layout().cells() {
-            if (0..3).all(|axis| self.hard.barrier.passes(level, cell, axis) == T::ZERO) {
+            if (0..3).all(|axis| self.hard.hard_solids.passes(level, cell, axis) == T::ZERO) {
                 light.set(cell, Sh::ZERO);
             }
         }

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
-use super::halves::{Half, Shape, parity};
-use super::lit::Lit;
+use super::chessboard::{Half, Shape, parity};
+use super::lit_rows::LitRows;
 use crate::transport::lattice::kernel::form::Share;
 use crate::transport::team;
 
@@ -13,11 +13,11 @@ use crate::transport::team;
 const LANES: usize = 16;
 /// Numbers whose squares are summed in single precision, side by side.
 const BLOCK: usize = 1024;
-/// Lit rows that are worth another thread's while.
+/// LitRows rows that are worth another thread's while.
 const PARALLEL_FROM: usize = 500;
 
 /// Sets the `lit` rows of half `h` to what the other half sends.
-pub fn send(shape: Shape, share: &Share<f32>, h: usize, lit: &Lit, other: &Half, to: &mut Half) {
+pub fn send(shape: Shape, share: &Share<f32>, h: usize, lit: &LitRows, other: &Half, to: &mut Half) {
     let piece = shape.n.div_ceil(pieces(lit));
     let run = |(i, to): (usize, &mut [f32])| {
         for (z, to) in (i * piece..).zip(to.chunks_mut(shape.slab())) {
@@ -35,7 +35,7 @@ pub fn send(shape: Shape, share: &Share<f32>, h: usize, lit: &Lit, other: &Half,
 ///
 /// Returns the sum of the squares of `rest`. `lit` are the rows of half 1 that x reaches, those of half 0 that
 /// they reach grow by one more; all others are left out.
-pub fn sweep(shape: Shape, share: &Share<f32>, length: f32, lit: &Lit, [b, x]: [&Half; 2], next: &mut Half) -> f64 {
+pub fn sweep(shape: Shape, share: &Share<f32>, length: f32, lit: &LitRows, [b, x]: [&Half; 2], next: &mut Half) -> f64 {
     let reached = lit.grown();
     let piece = shape.n.div_ceil(pieces(&reached));
     let run = |(i, next): (usize, &mut [f32])| -> Vec<f64> {
@@ -71,7 +71,7 @@ pub fn sweep(shape: Shape, share: &Share<f32>, length: f32, lit: &Lit, [b, x]: [
 }
 
 /// In how many pieces the slabs are best cut.
-fn pieces(lit: &Lit) -> usize {
+fn pieces(lit: &LitRows) -> usize {
     if lit.count() < PARALLEL_FROM { 1 } else { rayon::current_num_threads() }
 }
 

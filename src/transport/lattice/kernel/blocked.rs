@@ -15,9 +15,9 @@
 
 use std::ops::Range;
 
-use super::carve::{Planes, Tied, cut_marks, runs, slab_of};
-use super::found::Run;
+use super::inspect::Run;
 use super::slab::{Work, advance, grain};
+use super::split::{Planes, Tied, cut_marks, runs, slab_of};
 use super::{Level, Order, Tally, step};
 use crate::field::{Layout, Marks};
 use crate::sh::Real;

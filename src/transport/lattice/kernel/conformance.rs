@@ -7,7 +7,7 @@ use super::form::Form;
 use super::{FLOOR, Instructions, Level, Order, Tally, blocked, plain, slab, step};
 use crate::field::{Grid, Marks};
 use crate::sh::{Real, Sh};
-use crate::transport::lattice::active::everywhere;
+use crate::transport::lattice::reach::everywhere;
 use crate::transport::lattice::schemes;
 use crate::transport::lattice::stencil::Stencil;
 

@@ -14,7 +14,7 @@ use super::gather::{Which, sender};
 use crate::field::{Cell, Grid};
 use crate::sh::{Real, Sh};
 use crate::transport::lattice::face::Direction;
-use crate::transport::lattice::geometry::Geometry;
+use crate::transport::lattice::geometry_volume::GeometryVolume;
 use crate::transport::lattice::stencil::{Stencil, Tap};
 
 /// What NVIDIA's sample multiplies its reflected light by.
@@ -24,7 +24,7 @@ pub const REFLECTION: f64 = 4.8;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fuzzy<T> {
     /// The blockers.
-    pub geometry: Geometry<T>,
+    pub geometry: GeometryVolume<T>,
     /// What a blocker's value is multiplied by before it is limited to 0..1.
     pub amplifier: T,
     /// Whether blockers are evaluated along the light's travel, as NVIDIA does, or against it.

@@ -9,14 +9,14 @@ use super::gather::sender;
 use super::settle;
 use crate::field::{Cell, Grid, Layout};
 use crate::sh::{Real, Sh};
-use crate::transport::lattice::barrier::Barrier;
 use crate::transport::lattice::face::Direction;
-use crate::transport::lattice::geometry::Geometry;
+use crate::transport::lattice::geometry_volume::GeometryVolume;
+use crate::transport::lattice::hard_solids::HardSolids;
 use crate::transport::lattice::stencil::Stencil;
 
 /// The occluders of a scene, and what they do to light.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Occluders<T> {
+pub enum OcclusionLaw<T> {
     /// Blockers weaken light, and reflect some of it.
     Fuzzy(Fuzzy<T>),
     /// Occupied cells mirror light.
@@ -30,7 +30,7 @@ pub enum Occluders<T> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mirrored<T> {
     /// The occupied cells.
-    pub geometry: Geometry<T>,
+    pub geometry: GeometryVolume<T>,
 }
 
 /// An occupied cell passes nothing. What would have entered it, p and all, is mirrored back to the cell it came from,
@@ -38,14 +38,14 @@ pub struct Mirrored<T> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hard<T> {
     /// What passes.
-    pub barrier: Barrier<T>,
+    pub hard_solids: HardSolids<T>,
     /// The albedos.
-    pub geometry: Geometry<T>,
+    pub geometry: GeometryVolume<T>,
     /// What reflected light is multiplied by.
     pub bounce: T,
 }
 
-impl<T: Real> Occluders<T> {
+impl<T: Real> OcclusionLaw<T> {
     /// Sets `target` to what all cells of `source` send to their neighbours, as far as occluders let it.
     /// Outside the grid is dark.
     pub fn propagate(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, target: &mut Grid<T>) {
@@ -58,11 +58,11 @@ impl<T: Real> Occluders<T> {
     fn receive(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, cell: Cell) -> Sh<T> {
         let directions = 0..Direction::ALL.len();
         settle(match self {
-            Occluders::Fuzzy(fuzzy) => fuzzy.receive(stencil, which, source, cell, &fuzzy.around(which.level, cell)),
-            Occluders::Mirrored(mirrored) => {
+            OcclusionLaw::Fuzzy(fuzzy) => fuzzy.receive(stencil, which, source, cell, &fuzzy.around(which.level, cell)),
+            OcclusionLaw::Mirrored(mirrored) => {
                 directions.map(|d| mirrored.receive(stencil, which, source, cell, d)).sum()
             }
-            Occluders::Hard(hard) => directions.map(|d| hard.receive(stencil, which, source, cell, d)).sum(),
+            OcclusionLaw::Hard(hard) => directions.map(|d| hard.receive(stencil, which, source, cell, d)).sum(),
         })
     }
 
@@ -77,7 +77,7 @@ impl<T: Real> Occluders<T> {
     ) -> Sh<T> {
         let cell = touched.cells[i];
         match (self, touched.around.get(i)) {
-            (Occluders::Fuzzy(fuzzy), Some(around)) => settle(fuzzy.receive(stencil, which, source, cell, around)),
+            (OcclusionLaw::Fuzzy(fuzzy), Some(around)) => settle(fuzzy.receive(stencil, which, source, cell, around)),
             _ => self.receive(stencil, which, source, cell),
         }
     }
@@ -85,9 +85,9 @@ impl<T: Real> Occluders<T> {
     /// Bytes that they take.
     pub fn bytes(&self) -> usize {
         match self {
-            Occluders::Fuzzy(fuzzy) => fuzzy.geometry.bytes(),
-            Occluders::Mirrored(mirrored) => mirrored.geometry.bytes(),
-            Occluders::Hard(hard) => hard.geometry.bytes() + hard.barrier.bytes(),
+            OcclusionLaw::Fuzzy(fuzzy) => fuzzy.geometry.bytes(),
+            OcclusionLaw::Mirrored(mirrored) => mirrored.geometry.bytes(),
+            OcclusionLaw::Hard(hard) => hard.geometry.bytes() + hard.hard_solids.bytes(),
         }
     }
 
@@ -96,12 +96,12 @@ impl<T: Real> Occluders<T> {
     pub fn tables(&self, level: usize, n: usize, touched: &Touched<T>) -> Vec<(Cell, Vec<[T; 4]>)> {
         let table = |(i, &cell): (usize, &Cell)| {
             let table = match self {
-                Occluders::Fuzzy(fuzzy) => {
+                OcclusionLaw::Fuzzy(fuzzy) => {
                     let around = touched.around.get(i).copied().unwrap_or_else(|| fuzzy.around(level, cell));
                     around.iter().flat_map(Around::table).collect()
                 }
-                Occluders::Hard(hard) => Direction::ALL.iter().map(|d| hard.table(level, cell, *d, n)).collect(),
-                Occluders::Mirrored(mirrored) => {
+                OcclusionLaw::Hard(hard) => Direction::ALL.iter().map(|d| hard.table(level, cell, *d, n)).collect(),
+                OcclusionLaw::Mirrored(mirrored) => {
                     Direction::ALL.iter().map(|d| mirrored.table(level, cell, d.axis())).collect()
                 }
             };
@@ -114,13 +114,13 @@ impl<T: Real> Occluders<T> {
     /// without any.
     pub fn touched(&self, level: usize, n: usize) -> Touched<T> {
         let is_touched = |cell: &Cell| match self {
-            Occluders::Fuzzy(fuzzy) => fuzzy.touches(level, *cell),
-            Occluders::Mirrored(mirrored) => mirrored.geometry.is_occupied(level, *cell),
-            Occluders::Hard(hard) => hard.touches(level, *cell, n),
+            OcclusionLaw::Fuzzy(fuzzy) => fuzzy.touches(level, *cell),
+            OcclusionLaw::Mirrored(mirrored) => mirrored.geometry.is_occupied(level, *cell),
+            OcclusionLaw::Hard(hard) => hard.touches(level, *cell, n),
         };
         let cells: Vec<Cell> = Layout::new(n).cells().filter(is_touched).collect();
         let around = match self {
-            Occluders::Fuzzy(fuzzy) => cells.iter().map(|cell| fuzzy.around(level, *cell)).collect(),
+            OcclusionLaw::Fuzzy(fuzzy) => cells.iter().map(|cell| fuzzy.around(level, *cell)).collect(),
             _ => Vec::new(),
         };
         Touched { cells, around }
@@ -168,7 +168,7 @@ impl<T: Real> Hard<T> {
     /// The share of light along `direction` that passes a cell, and what the next cell sends back of red, green and
     /// blue.
     fn table(&self, level: usize, cell: Cell, direction: Direction, n: usize) -> [T; 4] {
-        let passes = |cell| self.barrier.passes(level, cell, direction.axis());
+        let passes = |cell| self.hard_solids.passes(level, cell, direction.axis());
         let reflected = |colour| {
             direction.neighbour(cell, n).map_or(T::ZERO, |next| {
                 (T::of(1.0) - passes(next)) * self.geometry.albedo(level, next, colour) * self.bounce
@@ -179,14 +179,14 @@ impl<T: Real> Hard<T> {
 
     /// Whether the cell or a neighbour holds light up.
     fn touches(&self, level: usize, cell: Cell, n: usize) -> bool {
-        let is_open = |cell| (0..3).all(|axis| self.barrier.passes(level, cell, axis) == T::of(1.0));
+        let is_open = |cell| (0..3).all(|axis| self.hard_solids.passes(level, cell, axis) == T::of(1.0));
         !is_open(cell) || Direction::ALL.iter().any(|d| d.neighbour(cell, n).is_some_and(|next| !is_open(next)))
     }
 
     /// Besides what `cell` receives in direction `d`, what the neighbour in that direction sends back to it.
     fn receive(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, cell: Cell, d: usize) -> Sh<T> {
         let direction = Direction::ALL[d];
-        let passes = |cell| self.barrier.passes(which.level, cell, direction.axis());
+        let passes = |cell| self.hard_solids.passes(which.level, cell, direction.axis());
         let mut received = stencil.send(d, sender(source, cell, direction));
         if let Some(next) = direction.neighbour(cell, source.side()) {
             let albedo = self.geometry.albedo(which.level, next, which.colour);
@@ -220,12 +220,12 @@ mod tests {
         cells.map(block).collect()
     }
 
-    fn geometry(solids: &[Solid]) -> Geometry<f64> {
-        Geometry::new(Levels::new(N, 1).unwrap(), solids)
+    fn geometry(solids: &[Solid]) -> GeometryVolume<f64> {
+        GeometryVolume::new(Levels::new(N, 1).unwrap(), solids)
     }
 
     /// What one iteration makes of a unit lobe towards +X in cell (3, 4, 4).
-    fn step(occluders: &Occluders<f64>, stencil: &Stencil<f64>) -> Grid<f64> {
+    fn step(occluders: &OcclusionLaw<f64>, stencil: &Stencil<f64>) -> Grid<f64> {
         let (mut source, mut target) = (Grid::new(N), Grid::new(N));
         source.set([3, 4, 4], Sh::lobe(DVec3::X));
         occluders.propagate(stencil, RED, &source, &mut target);
@@ -249,10 +249,10 @@ mod tests {
         let mut free = Grid::new(N);
         plain::propagate(&stencil, &source, &mut free);
         let corner: Vec<Solid> = wall(0.7).into_iter().filter(|b| b.cell[1] > 2 && b.cell[2] < 5).collect();
-        let barrier = Barrier::new(Levels::new(N, 1).unwrap(), &corner, [[0, 0, 0]]);
+        let hard_solids = HardSolids::new(Levels::new(N, 1).unwrap(), &corner, [[0, 0, 0]]);
         for (occluders, most) in [
             (
-                Occluders::Fuzzy(Fuzzy {
+                OcclusionLaw::Fuzzy(Fuzzy {
                     geometry: geometry(&corner),
                     amplifier: 0.8,
                     along_travel: false,
@@ -260,8 +260,8 @@ mod tests {
                 }),
                 2 * 6 * 6,
             ),
-            (Occluders::Mirrored(Mirrored { geometry: geometry(&corner) }), 5 * 5),
-            (Occluders::Hard(Hard { barrier, geometry: geometry(&corner), bounce: 0.5 }), 3 * 5 * 5 + 2 * 5),
+            (OcclusionLaw::Mirrored(Mirrored { geometry: geometry(&corner) }), 5 * 5),
+            (OcclusionLaw::Hard(Hard { hard_solids, geometry: geometry(&corner), bounce: 0.5 }), 3 * 5 * 5 + 2 * 5),
         ] {
             let mut found = Grid::new(N);
             occluders.propagate(&stencil, RED, &source, &mut found);
@@ -277,7 +277,7 @@ mod tests {
     fn the_bounce_is_the_documented_multiple_of_the_flux_about_the_walls_normal() {
         let stencil = Stencil::new(&cascaded::scheme(), 3.0, true);
         let fuzzy = |bounce| {
-            Occluders::Fuzzy(Fuzzy { geometry: geometry(&wall(1.0)), amplifier: 0.8, along_travel: false, bounce })
+            OcclusionLaw::Fuzzy(Fuzzy { geometry: geometry(&wall(1.0)), amplifier: 0.8, along_travel: false, bounce })
         };
         // The far corners of cell (4, 4, 4) hold the wall: G = L(−X), facing the light with G · Y(−X) = 3/4.
         // Nothing lies on the near side, so nothing is occluded. The factor 3 has no part in it.
@@ -293,8 +293,12 @@ mod tests {
         let stencil = Stencil::new(&cascaded::scheme(), 1.0, true);
         // Light that enters cell (5, 4, 4) from (4, 4, 4) passes between them, where the wall is.
         let passed = |along_travel| {
-            let fuzzy =
-                Occluders::Fuzzy(Fuzzy { geometry: geometry(&wall(1.0)), amplifier: 0.8, along_travel, bounce: 0.0 });
+            let fuzzy = OcclusionLaw::Fuzzy(Fuzzy {
+                geometry: geometry(&wall(1.0)),
+                amplifier: 0.8,
+                along_travel,
+                bounce: 0.0,
+            });
             let (mut source, mut target) = (Grid::new(N), Grid::new(N));
             source.set([4, 4, 4], Sh::lobe(DVec3::X));
             fuzzy.propagate(&stencil, RED, &source, &mut target);
@@ -311,8 +315,8 @@ mod tests {
     #[test]
     fn a_mirror_turns_the_axis_of_travel_and_keeps_opacity_times_albedo() {
         let stencil = Stencil::new(&reflective::scheme(), 1.0, true);
-        let mirrored = step(&Occluders::Mirrored(Mirrored { geometry: geometry(&wall(0.8)) }), &stencil);
-        let free = step(&Occluders::Mirrored(Mirrored { geometry: geometry(&[]) }), &stencil);
+        let mirrored = step(&OcclusionLaw::Mirrored(Mirrored { geometry: geometry(&wall(0.8)) }), &stencil);
+        let free = step(&OcclusionLaw::Mirrored(Mirrored { geometry: geometry(&[]) }), &stencil);
         let Sh([c00, x, ..]) = free.get([4, 4, 4]);
         let expected = Sh([c00 * (0.2 + 0.4), x * (0.2 - 0.4), 0.0, 0.0]);
         assert!((mirrored.get([4, 4, 4]) - expected).max_norm() < 1e-15);
@@ -324,10 +328,10 @@ mod tests {
         let stencil = Stencil::new(&reflective::scheme(), 1.0, true);
         let sizes = Levels::new(N, 1).unwrap();
         let hard = |bounce| {
-            let barrier = Barrier::new(sizes, &wall(1.0), [[3, 4, 4]]);
-            step(&Occluders::Hard(Hard { barrier, geometry: geometry(&wall(1.0)), bounce }), &stencil)
+            let hard_solids = HardSolids::new(sizes, &wall(1.0), [[3, 4, 4]]);
+            step(&OcclusionLaw::Hard(Hard { hard_solids, geometry: geometry(&wall(1.0)), bounce }), &stencil)
         };
-        let free = step(&Occluders::Mirrored(Mirrored { geometry: geometry(&[]) }), &stencil);
+        let free = step(&OcclusionLaw::Mirrored(Mirrored { geometry: geometry(&[]) }), &stencil);
         assert!(hard(1.0).get([4, 4, 4]).is_zero());
         let Sh([c00, x, ..]) = free.get([4, 4, 4]);
         assert!((hard(0.6).get([3, 4, 4]) - Sh([0.3 * c00, -0.3 * x, 0.0, 0.0])).max_norm() < 1e-15);

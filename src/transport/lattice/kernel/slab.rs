@@ -5,11 +5,11 @@ use std::ops::Range;
 
 use super::FLOOR;
 use super::form::Form;
-use super::found::{Run, add_up, chunk, drop_dark, mark, part, within_cone};
+use super::inspect::{Run, add_up, chunk, drop_dark, mark, part, within_cone};
 use super::row::{self, Job, behind};
 use crate::field::{Layout, row_mask};
 use crate::sh::Real;
-use crate::transport::lattice::active::{Row, reached};
+use crate::transport::lattice::reach::{Row, reached};
 
 /// Cells computed at a time: an AVX-512 register of f32, two of AVX2, four of SSE or NEON.
 const LANES: usize = 16;

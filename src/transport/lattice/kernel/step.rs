@@ -2,14 +2,14 @@
 
 use std::ops::Range;
 
-use super::carve::{Planes, Tied, cut_marks, runs, slab_of};
 use super::form::Form;
-use super::found::Run;
+use super::inspect::Run;
 use super::slab::{Source, Work, advance};
+use super::split::{Planes, Tied, cut_marks, runs, slab_of};
 use super::{Instructions, Level, Order, Tally};
 use crate::field::{Grid, Marks};
 use crate::sh::Real;
-use crate::transport::lattice::active::everywhere;
+use crate::transport::lattice::reach::everywhere;
 use crate::transport::team::share;
 
 /// Fewer cells than these are not worth waking another thread: about a 32³ grid.

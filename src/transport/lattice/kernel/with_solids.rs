@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::occluded::{Occluders, Touched, Which};
+use super::occluded::{OcclusionLaw, Touched, Which};
 use super::{Level, Order, Tally, step};
 use crate::field::{Cell, Marks};
 use crate::sh::{Real, Sh};
@@ -14,12 +14,12 @@ const SERIAL_BELOW: usize = 1000;
 
 /// Occluders as they stand on one level.
 #[derive(Clone, Copy, Debug)]
-pub struct Among<'a, T> {
+pub struct WithSolids<'a, T> {
     /// The occluders.
-    pub occluders: &'a Occluders<T>,
+    pub occluders: &'a OcclusionLaw<T>,
     /// The level and colour.
     pub which: Which,
-    /// The level's cells that they touch ([`Occluders::touched`]).
+    /// The level's cells that they touch ([`OcclusionLaw::touched`]).
     pub touched: &'a Touched<T>,
     /// The scheme, which `order` has in its other form.
     pub stencil: &'a Stencil<T>,
@@ -32,9 +32,9 @@ pub fn advance<T: Real>(
     level: &mut Level<'_, T>,
     threads: usize,
     need: Option<&[&Marks]>,
-    among: Among<'_, T>,
+    solids: WithSolids<'_, T>,
 ) -> Tally {
-    let Among { occluders, which, touched, stencil } = among;
+    let WithSolids { occluders, which, touched, stencil } = solids;
     let pieces = step::pieces(threads, level.source_lit.cells_in_touched_words());
     let cells = &touched.cells;
     let receive = |i| occluders.receive_touched(stencil, which, level.source, touched, i);

@@ -11,7 +11,7 @@ use crate::scene::propagation::Snapshots;
 use crate::sh::{Real, Sh};
 use crate::transport::lattice::exact::filter::cells;
 use crate::transport::lattice::kernel::form::Form;
-use crate::transport::lattice::kernel::occluded::{Occluders, Which};
+use crate::transport::lattice::kernel::occluded::{OcclusionLaw, Which};
 use crate::transport::lattice::kernel::{Instructions, Level, Order, lies_in_cone, step};
 
 /// Steps after which what is left of clamps is left alone.
@@ -27,7 +27,7 @@ pub(super) struct Launch<'a, T> {
 
 /// One channel's light after its first steps.
 #[derive(Debug)]
-pub(super) struct Head<T> {
+pub(super) struct FirstSteps<T> {
     /// The injected light.
     pub(super) taken: Vec<(Cell, Sh<T>)>,
     /// What of the light so far counts and stays where it is.
@@ -42,7 +42,7 @@ pub(super) struct Head<T> {
 
 impl<T: Real> Launch<'_, T> {
     /// Launches the light of a colour (0 red, 1 green, 2 blue).
-    pub(super) fn run(&self, colour: usize, light: &Grid<T>) -> Head<T> {
+    pub(super) fn run(&self, colour: usize, light: &Grid<T>) -> FirstSteps<T> {
         let n = light.side();
         let mut lit = Marks::new(n);
         lit.mark_lit(light);
@@ -69,7 +69,7 @@ impl<T: Real> Launch<'_, T> {
             (moved, reached) = self.step(colour, &mut moved, &reached);
         }
         cells(&reached).for_each(|cell| moved.set(cell, moved.get(cell) * times));
-        Head { taken, stays, lit, moved, reached }
+        FirstSteps { taken, stays, lit, moved, reached }
     }
 
     /// Whether no clamp acts on the light, now and in all steps to come, or clamps are left alone.
@@ -83,7 +83,7 @@ impl<T: Real> Launch<'_, T> {
         let (mut moved, mut reached) = (Grid::new(n), Marks::new(n));
         if let Some(Solids { hard, stencil, .. }) = self.solids {
             let which = Which { level: 0, colour, blocks: true };
-            Occluders::Hard(hard.clone()).propagate(stencil, which, source, &mut moved);
+            OcclusionLaw::Hard(hard.clone()).propagate(stencil, which, source, &mut moved);
             reached.mark_lit(&moved);
             return (moved, reached);
         }

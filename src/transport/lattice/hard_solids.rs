@@ -23,7 +23,7 @@ use crate::transport::lattice::face::Direction;
 
 /// How much of the light that enters a cell goes on.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Barrier<T> {
+pub struct HardSolids<T> {
     levels: Vec<Passage<T>>,
 }
 
@@ -62,8 +62,8 @@ impl<T: Real> Passage<T> {
     }
 }
 
-impl<T: Real> Barrier<T> {
-    /// The barrier that `blockers` are to light injected into the finest cells `lit`.
+impl<T: Real> HardSolids<T> {
+    /// The hard_solids that `blockers` are to light injected into the finest cells `lit`.
     pub fn new(sizes: Levels, solids: &[Solid], lit: impl IntoIterator<Item = Cell>) -> Self {
         let n = sizes.finest();
         let index = |[x, y, z]: Cell| (z * n + y) * n + x;
@@ -85,7 +85,7 @@ impl<T: Real> Barrier<T> {
         let passes = |(free, reached): (&[f64; 3], &bool)| free.map(|free| T::of(if *reached { free } else { 0.0 }));
         let finest = Passage { n, shares: free.iter().zip(&reached).map(passes).collect() };
         let coarser: Vec<Passage<T>> = (1..sizes.count()).map(|level| finest.coarser(1 << level)).collect();
-        Barrier { levels: std::iter::once(finest).chain(coarser).collect() }
+        HardSolids { levels: std::iter::once(finest).chain(coarser).collect() }
     }
 
     /// The share of the light that enters a cell of a level along an axis (0 for x, 1 for y, 2 for z) that
@@ -122,27 +122,27 @@ mod tests {
     #[test]
     fn a_thin_wall_with_a_hole_stops_what_crosses_it_on_every_level() {
         let plane = Layout::new(8).cells().filter(|c| c[0] == 5 && *c != [5, 7, 7]);
-        let barrier = Barrier::<f64>::new(Levels::new(8, 1).unwrap(), &wall(plane), [[0, 0, 0]]);
-        assert_eq!((0..3).map(|axis| barrier.passes(0, [5, 0, 0], axis)).sum::<f64>(), 0.0);
+        let hard_solids = HardSolids::<f64>::new(Levels::new(8, 1).unwrap(), &wall(plane), [[0, 0, 0]]);
+        assert_eq!((0..3).map(|axis| hard_solids.passes(0, [5, 0, 0], axis)).sum::<f64>(), 0.0);
         for (level, cell, alongside) in [(1, [2, 0, 0], 0.5), (2, [1, 0, 0], 0.75)] {
-            assert_eq!(barrier.passes(level, cell, 0), 0.0);
-            assert_eq!(barrier.passes(level, cell, 1), alongside);
+            assert_eq!(hard_solids.passes(level, cell, 0), 0.0);
+            assert_eq!(hard_solids.passes(level, cell, 1), alongside);
         }
         // The hole is one of four lines through its parent.
-        assert_eq!(barrier.passes(1, [2, 3, 3], 0), 0.25);
-        assert_eq!(barrier.passes(1, [3, 0, 0], 0), 1.0);
-        assert_eq!(barrier.shut().count(), 63);
+        assert_eq!(hard_solids.passes(1, [2, 3, 3], 0), 0.25);
+        assert_eq!(hard_solids.passes(1, [3, 0, 0], 0), 1.0);
+        assert_eq!(hard_solids.shut().count(), 63);
     }
 
     #[test]
     fn behind_a_closed_wall_nothing_enters_on_any_level() {
         let plane = Layout::new(8).cells().filter(|c| c[0] == 4);
-        let barrier = Barrier::<f64>::new(Levels::new(8, 1).unwrap(), &wall(plane), [[0, 3, 0]]);
+        let hard_solids = HardSolids::<f64>::new(Levels::new(8, 1).unwrap(), &wall(plane), [[0, 3, 0]]);
         for level in 0..3 {
             for cell in Layout::new(8 >> level).cells().filter(|c| c[0] << level >= 4) {
-                assert!((0..3).all(|axis| barrier.passes(level, cell, axis) == 0.0), "level {level}, {cell:?}");
+                assert!((0..3).all(|axis| hard_solids.passes(level, cell, axis) == 0.0), "level {level}, {cell:?}");
             }
         }
-        assert_eq!(barrier.shut().count(), 4 * 64);
+        assert_eq!(hard_solids.shut().count(), 4 * 64);
     }
 }

@@ -10,7 +10,7 @@ const MOST_STEPS: usize = 16;
 
 /// Light and where it is lit, with the memory that steps take.
 #[derive(Clone, Debug)]
-pub struct Head {
+pub struct ClampedSteps {
     order: Order<f32>,
     cone: f64,
     source: Grid<f32>,
@@ -21,7 +21,7 @@ pub struct Head {
     marks: Marks,
 }
 
-impl Head {
+impl ClampedSteps {
     /// For light of one form in an n³ grid.
     pub fn new(form: &Form<f32>, cone: f64, n: usize) -> Self {
         let order = Order {
@@ -35,13 +35,13 @@ impl Head {
         let (dark, unlit) = (|| Grid::new(n), || Marks::new(n));
         let [source, target] = [dark(), dark()];
         let [source_lit, target_lit, marks] = [unlit(), unlit(), unlit()];
-        Head { order, cone, source, source_lit, target, target_lit, marks }
+        ClampedSteps { order, cone, source, source_lit, target, target_lit, marks }
     }
 
     /// Takes steps until no clamp acts any more, and sets `sum` to all snapshots before that one; whether it
     /// came to that.
     pub fn run(&mut self, injected: &Grid<f32>, sum: &mut Grid<f32>) -> bool {
-        let Head { order, cone, source, source_lit, target, target_lit, marks } = self;
+        let ClampedSteps { order, cone, source, source_lit, target, target_lit, marks } = self;
         let planes = injected.planes().iter().zip(source.planes_mut()).zip(sum.planes_mut());
         team::share(planes.collect(), |((injected, source), sum): ((&Vec<f32>, &mut [f32]), &mut [f32])| {
             source.copy_from_slice(injected);

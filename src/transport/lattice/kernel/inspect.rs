@@ -6,7 +6,7 @@ use multiversion::multiversion;
 use super::row::chunked;
 use crate::field::{Grid, Marks};
 use crate::sh::Real;
-use crate::transport::lattice::active::Row;
+use crate::transport::lattice::reach::Row;
 
 /// Cells `start` to before `end` of a row, whole chunks; or rows of a slab.
 #[derive(Clone, Copy)]

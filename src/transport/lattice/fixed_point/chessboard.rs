@@ -5,7 +5,7 @@
 //! from unbroken rows of the other. The 2 × 2 × 2 children of a coarse cell are four cells of each half, all
 //! with j the coarse x.
 
-use super::lit::Lit;
+use super::lit_rows::LitRows;
 use crate::field::Grid;
 use crate::transport::team;
 
@@ -62,7 +62,7 @@ impl Half {
     }
 
     /// Makes rows dark.
-    pub fn clear(&mut self, shape: Shape, lit: &Lit) {
+    pub fn clear(&mut self, shape: Shape, lit: &LitRows) {
         for z in 0..shape.n {
             let [from, to] = [lit.rows(z).start, lit.rows(z).end].map(|y| shape.start(y));
             for plane in 0..4 {
@@ -101,7 +101,7 @@ pub fn parity(h: usize, y: usize, z: usize) -> usize {
 }
 
 /// Sets the `lit` rows of both halves to those of a grid; the sum of the squares of all numbers.
-pub fn split<'a>(grid: &Grid<f32>, lit: &Lit, [even, odd]: &'a mut [Half; 2]) -> f64 {
+pub fn split<'a>(grid: &Grid<f32>, lit: &LitRows, [even, odd]: &'a mut [Half; 2]) -> f64 {
     let shape = Shape { n: grid.side() };
     let slab = |(z, (even, odd)): (usize, (&mut [f32], &mut [f32]))| -> f64 {
         let mut squares = 0.0;
@@ -127,7 +127,7 @@ pub fn split<'a>(grid: &Grid<f32>, lit: &Lit, [even, odd]: &'a mut [Half; 2]) ->
 }
 
 /// Adds both halves to a grid, half 1 being the sum of two.
-pub fn join(even: &Half, odd: [&Half; 2], lit: &Lit, grid: &mut Grid<f32>) {
+pub fn join(even: &Half, odd: [&Half; 2], lit: &LitRows, grid: &mut Grid<f32>) {
     let shape = Shape { n: grid.side() };
     let layout = grid.layout();
     team::share(grid.planes_mut().into_iter().enumerate().collect(), |(plane, numbers): (usize, &mut [f32])| {
@@ -151,7 +151,7 @@ pub fn join(even: &Half, odd: [&Half; 2], lit: &Lit, grid: &mut Grid<f32>) {
 mod tests {
     use super::*;
     use crate::sh::Sh;
-    use crate::transport::lattice::active::everywhere;
+    use crate::transport::lattice::reach::everywhere;
 
     #[test]
     fn what_is_split_is_joined_again() {
@@ -163,7 +163,7 @@ mod tests {
             let mut joined = Grid::new(n);
             let shape = Shape { n };
             let mut halves = [Half::new(shape), Half::new(shape)];
-            let lit = Lit::rows_of(&everywhere(n));
+            let lit = LitRows::rows_of(&everywhere(n));
             split(&grid, &lit, &mut halves);
             let [even, odd] = &halves;
             join(even, [odd, &Half::new(shape)], &lit, &mut joined);

@@ -5,15 +5,15 @@ use crate::scene::{Problem, Solid};
 
 /// How much of the light that enters a cell of an n³ volume goes on.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Transparency {
+pub struct Transmittance {
     n: usize,
     passes: Vec<[f32; 3]>,
 }
 
-impl Transparency {
+impl Transmittance {
     /// What the occluders of `problem` let through; `None` where nothing stands in light's way.
     pub fn of(problem: &Problem) -> Option<Self> {
-        if problem.has_occluders() { Transparency::new(problem.size, &problem.solids) } else { None }
+        if problem.has_occluders() { Transmittance::new(problem.size, &problem.solids) } else { None }
     }
 
     /// What `blockers` let through: 1 − opacity each, by axis; `None` if there are none.
@@ -26,7 +26,7 @@ impl Transparency {
             let [x, y, z] = blocker.cell;
             passes[(z * n + y) * n + x] = blocker.opacity.map(|opacity| 1.0 - opacity as f32);
         }
-        Some(Transparency { n, passes })
+        Some(Transmittance { n, passes })
     }
 
     /// Bytes that it takes.

@@ -16,7 +16,7 @@ use crate::sh::{Real, Sh};
 
 /// The occluders of a scene on every level.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Geometry<T> {
+pub struct GeometryVolume<T> {
     lobes: Octree<T>,
     /// In place of a function on the sphere four numbers that downsample alike: the opacity, and for each
     /// colour the albedo times the opacity.
@@ -25,7 +25,7 @@ pub struct Geometry<T> {
     covers: Octree<T>,
 }
 
-impl<T: Real> Geometry<T> {
+impl<T: Real> GeometryVolume<T> {
     /// The geometry volume of `blockers`, each cell at most once.
     pub fn new(sizes: Levels, solids: &[Solid]) -> Self {
         let [mut lobes, mut surfaces, mut covers] = [(); 3].map(|()| Octree::new(sizes));
@@ -40,7 +40,7 @@ impl<T: Real> Geometry<T> {
         lobes.downsample();
         surfaces.downsample();
         covers.downsample();
-        Geometry { lobes, surfaces, covers }
+        GeometryVolume { lobes, surfaces, covers }
     }
 
     /// Bytes that it takes.
@@ -80,7 +80,7 @@ mod tests {
     fn coarse_levels_hold_the_mean_blocker_and_the_albedo_of_what_is_there() {
         let blocker = |cell, opacity, albedo| Solid::new(cell, DVec3::Y, opacity, albedo);
         let solids = [blocker([2, 1, 0], 1.0, [0.5, 0.0, 1.0]), blocker([3, 0, 1], 0.5, [0.8, 0.0, 0.4])];
-        let geometry = Geometry::<f64>::new(Levels::new(4, 1).unwrap(), &solids);
+        let geometry = GeometryVolume::<f64>::new(Levels::new(4, 1).unwrap(), &solids);
         let lobe = Sh::<f64>::lobe(DVec3::Y);
         assert_eq!(geometry.lobe(0, [3, 0, 1]), lobe * 0.5);
         assert!((geometry.lobe(1, [1, 0, 0]) - lobe * (1.5 / 8.0)).max_norm() < 1e-15);

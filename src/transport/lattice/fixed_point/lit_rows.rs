@@ -7,18 +7,18 @@ use crate::field::Marks;
 
 /// The rows of each slab that may be lit.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Lit(Vec<Range<usize>>);
+pub struct LitRows(Vec<Range<usize>>);
 
-impl Lit {
+impl LitRows {
     /// No row of a grid of side `n`.
     pub fn nowhere(n: usize) -> Self {
-        Lit(vec![0..0; n])
+        LitRows(vec![0..0; n])
     }
 
     /// In each slab all from the first row that has a mark to the last.
     pub fn rows_of(marks: &Marks) -> Self {
         let n = marks.side();
-        let mut lit = Lit::nowhere(n);
+        let mut lit = LitRows::nowhere(n);
         for (row, words) in marks.words().chunks_exact(marks.words_per_row()).enumerate() {
             if words.iter().any(|word| *word != 0) {
                 let (y, z) = (row % n, row / n);
@@ -52,7 +52,7 @@ impl Lit {
             let around = [z.checked_sub(1), Some(z + 1).filter(|z| *z < n)];
             around.into_iter().flatten().fold(wider, |rows, z| hull(&rows, &self.0[z]))
         };
-        Lit((0..n).map(slab).collect())
+        LitRows((0..n).map(slab).collect())
     }
 
     /// How many rows may be lit.
@@ -78,7 +78,7 @@ mod tests {
         let n = 8;
         let mut marks = Marks::new(n);
         marks.set([3, 2, 5]);
-        let mut lit = Lit::rows_of(&marks);
+        let mut lit = LitRows::rows_of(&marks);
         for reach in 0..=12 {
             let wanted = |&(y, z): &(usize, usize)| y.abs_diff(2) + z.abs_diff(5) <= reach;
             let wanted: Vec<_> = (0..n).flat_map(|z| (0..n).map(move |y| (y, z))).filter(wanted).collect();

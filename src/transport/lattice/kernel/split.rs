@@ -22,7 +22,7 @@ impl<'a, T: Real> Planes<'a, T> {
         let start = layout.row_start(0, 0);
         let end = |z: usize| if z == n { layout.plane_len() } else { start + z * layout.steps()[2] };
         let ends: Vec<usize> = ends.iter().map(|&z| end(z)).collect();
-        let [c, x, y, z] = grid.planes_mut().map(|plane| carve(plane, &ends).into_iter());
+        let [c, x, y, z] = grid.planes_mut().map(|plane| split(plane, &ends).into_iter());
         let runs = c.zip(x).zip(y.zip(z)).enumerate();
         runs.map(|(i, ((c, x), (y, z)))| Planes { planes: [c, x, y, z], first: if i == 0 { start } else { 0 } })
             .collect()
@@ -80,7 +80,7 @@ impl<'a, T: Real> Tied<'a, T> {
 pub(super) fn cut_marks<'a>(marks: &'a mut Marks, ends: &[usize]) -> Vec<&'a mut [u64]> {
     let slab = marks.side() * marks.words_per_row();
     let ends: Vec<usize> = ends.iter().map(|z| z * slab).collect();
-    carve(marks.words_mut(), &ends)
+    split(marks.words_mut(), &ends)
 }
 
 /// The words of slab number `z`.
@@ -96,7 +96,7 @@ pub(super) fn runs(ends: &[usize]) -> impl Iterator<Item = Range<usize>> {
 }
 
 /// Cuts numbers into the pieces between consecutive `ends`.
-fn carve<'a, U>(mut rest: &'a mut [U], ends: &[usize]) -> Vec<&'a mut [U]> {
+fn split<'a, U>(mut rest: &'a mut [U], ends: &[usize]) -> Vec<&'a mut [U]> {
     let mut taken = 0;
     let mut pieces = Vec::with_capacity(ends.len());
     for &end in ends {
