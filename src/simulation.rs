@@ -34,7 +34,7 @@ use crate::scene::propagation::Snapshots;
 use crate::sh::Real;
 use crate::transport::kind::{Kind, Precision, Setup, Transport};
 use crate::transport::{self, State, refuse_what_does_not_fit};
-use options::{Options, Wanted, Work};
+use options::{Device, Options, Wanted, Work};
 
 /// What the stepper can be told to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -123,6 +123,25 @@ impl<T: Precision> Simulation<T> {
     /// A dark simulation of `problem`.
     pub fn new(problem: impl Into<Arc<Problem>>) -> Result<Self, Refusal> {
         Self::with_options(problem, Options::default())
+    }
+
+    /// A dark simulation of `problem` on the device that `options` name, or on the processor where that cannot do it:
+    /// then with the reason, in a line.
+    ///
+    /// # Errors
+    /// Where the processor refuses as well.
+    pub fn with_fallback(
+        problem: impl Into<Arc<Problem>>,
+        options: Options,
+    ) -> Result<(Self, Option<String>), Refusal> {
+        let problem = problem.into();
+        match Self::with_options(Arc::clone(&problem), options) {
+            Err(Refusal::Device { what }) if options.device != Device::Cpu => {
+                let options = Options { device: Device::Cpu, ..options };
+                Ok((Self::with_options(problem, options)?, Some(what)))
+            }
+            made => Ok((made?, None)),
+        }
     }
 
     /// A dark simulation of `problem` that carries its iterations out as `options` say.

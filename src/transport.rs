@@ -44,7 +44,7 @@ pub fn kinds() -> &'static [Kind] {
 /// The same kind, which a graphics card computes, too.
 #[cfg(feature = "gpu")]
 fn on_card(kind: Kind) -> Kind {
-    Kind { card: Some(gpu::card::OnCard::made), ..kind }
+    Kind { card: Some(gpu::card::OnCard::build), ..kind }
 }
 
 /// Without the feature `gpu` no card computes anything.

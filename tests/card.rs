@@ -5,6 +5,7 @@
 use std::path::Path;
 
 use lpv_lab::scene::occluder::OcclusionMode;
+use lpv_lab::scene::propagation::descent::Descent;
 use lpv_lab::scene::propagation::{Policy, Snapshots};
 use lpv_lab::scene::{Preset, Problem, builtin};
 use lpv_lab::simulation::options::{Device, Options, Wanted};
@@ -60,20 +61,24 @@ fn assert_same(what: &str, [cpu, card]: &[Simulation<f32>; 2]) {
     }
 }
 
-/// Step by step, then many at once.
+/// Step by step, then many at once, up to sixteen iterations.
 fn compare(what: &str, preset: &Preset) {
     let mut pair = both(preset);
     for simulation in &mut pair {
-        for action in [Action::Clear, Action::Inject, Action::Downsample, Action::Propagate, Action::Propagate] {
-            simulation.act(action);
+        [Action::Clear, Action::Inject, Action::Downsample].map(|action| simulation.act(action));
+    }
+    for more in [1, 1, 1, 1, 5, 7] {
+        for simulation in &mut pair {
+            if more == 1 {
+                simulation.act(Action::Propagate);
+            } else {
+                simulation.advance(more, Wanted::Everything);
+            }
+            simulation.act(Action::Merge);
         }
+        assert_same(&format!("{what}, k = {}", pair[0].iteration()), &pair);
     }
-    assert_same(&format!("{what}, two steps"), &pair);
-    for simulation in &mut pair {
-        simulation.advance(5, Wanted::Everything);
-        simulation.act(Action::Merge);
-    }
-    assert_same(&format!("{what}, five more at once"), &pair);
+    assert!(pair[0].iteration() == 16 || pair[0].divergence().is_some(), "{what}");
 }
 
 #[test]
@@ -83,8 +88,15 @@ fn every_preset_has_the_processors_bits() {
     }
     for name in builtin::PRESETS.iter().map(|(name, _)| *name) {
         let preset = builtin_preset(name);
-        if transport::find(&preset.propagation.scheme).is_some_and(|kind| kind.card.is_some()) {
+        let has_kernels = transport::find(&preset.propagation.scheme).is_some_and(|kind| kind.card.is_some());
+        let has_levels = matches!(preset.propagation.levels, Policy::Same | Policy::Consistent);
+        if has_kernels && has_levels && preset.propagation.descent == Descent::Off {
             compare(name, &preset);
+        } else {
+            let problem = Problem::build(&preset, &builtin::folder().unwrap()).unwrap();
+            let options = Options { device: Device::Gpu, ..Options::default() };
+            let (_, why) = Simulation::<f32>::with_fallback(problem, options).unwrap();
+            assert!(why.is_some_and(|why| why.contains("--device cpu")), "{name}");
         }
     }
 }

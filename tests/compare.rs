@@ -7,6 +7,7 @@ use lpv_lab::field::Layout;
 use lpv_lab::scene::occluder::OcclusionMode;
 use lpv_lab::scene::{Occlusion, Problem, Propagation, Solid, Source};
 use lpv_lab::sh::Sh;
+use lpv_lab::simulation::options::Device;
 use lpv_lab::study::compare::{self, Finding};
 use lpv_lab::study::expectation::{Expectation, References};
 use lpv_lab::transport::lattice::schemes;
@@ -42,7 +43,7 @@ fn walled(mode: OcclusionMode) -> Problem {
 }
 
 fn against_uniform(problem: &Problem, scheme: &str) -> Finding {
-    compare::run(problem, scheme, Expectation::Merged, &References::default()).unwrap().unwrap()
+    compare::run(problem, scheme, Expectation::Merged, &References::default(), Device::Cpu).unwrap().unwrap()
 }
 
 #[test]
@@ -82,7 +83,7 @@ fn no_scheme_comes_near_what_truly_arrives_from_one_lobe() {
     let mut references = References::default();
     Expectation::Ballistic.prepare(&problem, &mut references, &|_| true);
     for scheme in ["cascaded", "axial"] {
-        let found = compare::run(&problem, scheme, Expectation::Ballistic, &references).unwrap().unwrap();
+        let found = compare::run(&problem, scheme, Expectation::Ballistic, &references, Device::Cpu).unwrap().unwrap();
         assert!(found.l1_fitted > 0.9 && found.l1_fitted <= found.error.l1_ratio, "{scheme}: {}", found.l1_fitted);
     }
 }

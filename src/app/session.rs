@@ -124,6 +124,10 @@ impl Session {
     fn hear(&mut self, news: News) {
         match news {
             News::Loaded(problem) => self.run.problem = Some(problem),
+            News::NotThere(why) => {
+                self.settings.on_card = false;
+                self.say(format!("The processor computes: {why}"));
+            }
             News::Measured { iteration, metric, errors, behind } => {
                 self.run.progress.behind = behind;
                 for (curves, measured) in self.run.curves.iter_mut().zip(errors) {
@@ -305,7 +309,7 @@ impl Session {
             return;
         }
         self.notice = None;
-        self.run.load(&self.document, self.comparison.others.clone(), start, leave);
+        self.run.load(&self.document, self.comparison.others.clone(), start, leave, self.settings.device());
         // What is to be seen outlasts scenes, but the worker answers for the scene it was asked with.
         self.sight.asked = None;
     }

@@ -24,7 +24,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use self::look::{Cloud, Look, Pin, PinSample, Shown};
 use self::rival::Rival;
 use crate::scene::{Preset, Problem};
-use crate::simulation::options::Work;
+use crate::simulation::options::{Device, Work};
 use crate::simulation::{Action, Change};
 use crate::study::error::ErrorRow;
 use crate::study::expectation::Expectation;
@@ -59,6 +59,8 @@ pub struct Load {
     pub tag: u64,
     /// Whether the run that is left is kept, to be gone back to.
     pub leave: bool,
+    /// What is to iterate; the processor does where that cannot.
+    pub device: Device,
 }
 
 /// What the window asks for.
@@ -129,6 +131,8 @@ pub struct Progress {
 pub enum News {
     /// The scene that is run from now on.
     Loaded(Arc<Problem>),
+    /// Why the processor iterates, where something else was to.
+    NotThere(String),
     /// An action is done. What was measured of later iterations no longer holds, nor does what was measured of the
     /// present one if its light changed.
     Done {
@@ -217,7 +221,15 @@ mod tests {
     fn load(size: usize, start: Start) -> Order {
         let text = format!("(version: 1, size: {size}, injectors: [(kind: Single(cell: (0, 1, 2)))])");
         let preset = Preset::parse(&text, Path::new("test")).unwrap();
-        Order::Load(Box::new(Load { preset, folder: PathBuf::new(), others: Vec::new(), start, tag: 0, leave: true }))
+        Order::Load(Box::new(Load {
+            preset,
+            folder: PathBuf::new(),
+            others: Vec::new(),
+            start,
+            tag: 0,
+            leave: true,
+            device: Device::Cpu,
+        }))
     }
 
     fn look(iteration: Option<usize>) -> Order {

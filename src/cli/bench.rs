@@ -25,7 +25,9 @@ use crate::transport::team;
                         lpv-lab bench --only-pareto --presets two-walls,mixed,pillar\n  lpv-lab bench --only-converged\n\n\
                         kernel is aos (the usual array of structures), plain (the definition), fast, fast-clamped, blocked\n\
                         (several iterations a pass), or a scene: lobe (eight iterations, all levels) and walls-merged (sixteen,\n\
-                        only the merged light wanted), with what was not skipped."
+                        only the merged light wanted), with what was not skipped. On a graphics card (threads: gpu) it is\n\
+                        card-linear, card-clamped, or card-thesis (four iterations of three channels on all levels of 32³), and\n\
+                        triad_fraction is the part of the card's own copy."
 )]
 pub struct BenchArgs {
     /// Sides of the volumes, powers of two
@@ -49,6 +51,10 @@ pub struct BenchArgs {
     /// Sides of the volumes in which the fixed point is iterated to and solved for; 0 to leave it out
     #[arg(long, value_name = "N,N,...", value_delimiter = ',', default_values_t = [32, 64], value_parser = side_or_none)]
     converged: Vec<usize>,
+    /// Measure the loops on this device as well; the processor's are always measured, unless --only-card is given
+    #[cfg(feature = "gpu")]
+    #[arg(long, value_enum, value_name = "DEVICE", default_value_t)]
+    device: super::load::DeviceArg,
     /// Measure how fast a graphics card steps, and nothing else
     #[cfg(feature = "gpu")]
     #[arg(long)]
@@ -97,7 +103,10 @@ pub fn run(args: &BenchArgs) -> Result<(), CliError> {
     let rounds = usize::from(args.rounds);
     #[cfg(feature = "gpu")]
     if args.only_card {
-        super::card::run(&args.sizes, rounds, &folder)?;
+        let mut table = table(&[]);
+        super::card::add(&args.sizes, rounds, &[], &mut table)?;
+        console::print(format_args!("{}", table.to_text()));
+        folder.write_table("kernels.csv", &table)?;
         folder.finish();
         return Ok(());
     }
@@ -152,7 +161,12 @@ fn kernels(args: &BenchArgs, folder: &Folder) -> Result<(), CliError> {
     })?;
     bar.finish_and_clear();
 
-    let table = table(&rows);
+    #[cfg_attr(not(feature = "gpu"), expect(unused_mut))]
+    let mut table = table(&rows);
+    #[cfg(feature = "gpu")]
+    if args.device == super::load::DeviceArg::Gpu {
+        super::card::add(&args.sizes, usize::from(args.rounds), &rows, &mut table)?;
+    }
     console::print(format_args!("{}", table.to_text()));
     say!("\ntriad_fraction counts {} bytes a cell and iteration", benchmark::BYTES_PER_CELL);
     for pool in &pools {

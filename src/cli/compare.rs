@@ -8,6 +8,7 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::console::{self, say};
+use super::load::{DeviceArg, told};
 use super::numbers::{decimal, whole};
 use super::output::Folder;
 use super::{CliError, SceneArgs, course};
@@ -51,6 +52,9 @@ pub struct CompareArgs {
     /// Hold the second of two presets of one size against the first, each under its own scheme if none is given
     #[arg(long)]
     difference: bool,
+    /// What iterates: the processor, or a graphics card where the program was built with the feature `gpu`
+    #[arg(long, value_enum, value_name = "DEVICE", default_value_t)]
+    device: DeviceArg,
     /// The folder to write compare.csv to, or with --difference difference.csv and pictures
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -110,7 +114,10 @@ pub fn run(args: &CompareArgs) -> Result<(), CliError> {
         let references = course::references(&problem, &[expectation])?;
         let mut table = Table::new(TEXT_COLUMNS);
         for name in &names {
-            let Some(finding) = compare::run(&problem, name, expectation, &references)? else { continue };
+            let Some(finding) = compare::run(&problem, name, expectation, &references, args.device.into())? else {
+                continue;
+            };
+            told(finding.not_there.clone());
             table.push(text_row(&finding));
             csv.push(csv_row(&scene_args.stem(), &problem, expectation, &finding));
         }

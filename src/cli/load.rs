@@ -17,7 +17,7 @@ use crate::scene::{Preset, Problem, SceneError, builtin, file};
 use crate::simulation::Simulation;
 use crate::simulation::options::{Device, Options};
 use crate::system::text::{nearest, one_line, shortened};
-use crate::transport::{Refusal, preset};
+use crate::transport::preset;
 
 /// The most characters of a title that are printed.
 const LONGEST_TITLE: usize = 100;
@@ -80,14 +80,25 @@ pub enum DeviceArg {
 impl DeviceArg {
     /// A dark simulation on the device that was asked for, or on the processor where that cannot do it.
     pub fn simulate(self, problem: impl Into<Arc<Problem>>, options: Options) -> Result<Simulation<f32>, CliError> {
-        let problem = problem.into();
-        if self == DeviceArg::Gpu {
-            match Simulation::with_options(Arc::clone(&problem), Options { device: Device::Gpu, ..options }) {
-                Err(Refusal::Device { what }) => remark!("note: the processor computes: {what}"),
-                other => return Ok(other?),
-            }
+        let (simulation, why) = Simulation::with_fallback(problem, Options { device: self.into(), ..options })?;
+        told(why);
+        Ok(simulation)
+    }
+}
+
+impl From<DeviceArg> for Device {
+    fn from(device: DeviceArg) -> Self {
+        match device {
+            DeviceArg::Cpu => Device::Cpu,
+            DeviceArg::Gpu => Device::Gpu,
         }
-        Ok(Simulation::with_options(problem, options)?)
+    }
+}
+
+/// Says why the processor computes, if it was not asked to.
+pub fn told(why: Option<String>) {
+    if let Some(why) = why {
+        remark!("note: the processor computes: {why}");
     }
 }
 

@@ -10,6 +10,7 @@ mod probe;
 use std::time::{Duration, Instant};
 
 use crate::scene::Problem;
+use crate::simulation::options::{Device, Options};
 use crate::simulation::{Action, Refusal, Simulation};
 use crate::study::artefacts::Artefacts;
 use crate::study::error::ErrorRow;
@@ -48,24 +49,28 @@ pub struct Finding {
     /// The iteration from which on a snapshot holds less than 1 % of all light so far on level 0; `None` if
     /// that takes more than [`PATIENCE`] iterations.
     pub converged: Option<usize>,
-    /// The median time of an iteration on all levels.
+    /// The median time of an iteration on all levels, on a graphics card with the reading of its light.
     pub iteration_time: Duration,
+    /// Why the processor computed, where another device was asked for.
+    pub not_there: Option<String>,
 }
 
 /// Runs `scene` under the scheme called `scheme`, its other settings unchanged, and holds its merged light against an
-/// expectation; `None` if that is of levels, or is not ready.
+/// expectation; `None` if that is of levels, or is not ready. The processor iterates where `device` cannot.
 pub fn run(
     problem: &Problem,
     scheme: &str,
     expectation: Expectation,
     references: &References,
+    device: Device,
 ) -> Result<Option<Finding>, Refusal> {
     let mut problem = problem.clone();
     problem.propagation.scheme = scheme.to_owned();
     let places = Places::of(&problem);
     let anisotropy = probe::anisotropy(&problem.propagation)?;
     let iterations = problem.propagation.iterations;
-    let mut simulation = Simulation::<f32>::new(problem)?;
+    let (mut simulation, not_there) =
+        Simulation::<f32>::with_fallback(problem, Options { device, ..Options::default() })?;
     for action in [Action::Clear, Action::Inject, Action::Downsample] {
         simulation.act(action);
     }
@@ -111,6 +116,7 @@ pub fn run(
         artefacts,
         converged,
         iteration_time: median(times),
+        not_there,
     }))
 }
 

@@ -37,6 +37,7 @@ impl Lab {
             Ask::Comparison(comparison) => session.comparison = comparison,
             Ask::Kept(kept) => session.run.kept = kept,
             Ask::Rerun(rerun) => session.settings.rerun = Some(rerun),
+            Ask::OnCard(on_card) => session.compute_on(on_card),
             Ask::Pace(pace) => session.settings.pace = pace,
             Ask::Past(mib) => session.set_past(mib),
             Ask::Scrub(k) => session.scrub(k),

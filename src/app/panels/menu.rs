@@ -73,6 +73,16 @@ fn run(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     items(ui, session, &[Command::RunBefore, Command::RunAfter, Command::Measure], asks);
     ui.separator();
     rerun(ui, session, asks);
+    device(ui, session, asks);
+}
+
+/// What iterates.
+fn device(ui: &mut Ui, session: &Session, asks: &mut Asks) {
+    let mut on_card = session.settings.on_card;
+    ui.add_enabled(cfg!(feature = "gpu"), egui::Checkbox::new(&mut on_card, "Compute on the graphics card"))
+        .on_hover_text("The light is the same to the last bit; what a card cannot do, the processor does, and says why")
+        .on_disabled_hover_text("This program was built without the feature `gpu`");
+    asks.changed(&session.settings.on_card, on_card, Ask::OnCard);
 }
 
 fn view(ui: &mut Ui, session: &Session, asks: &mut Asks) {

@@ -62,7 +62,8 @@ fn state(ui: &mut Ui, session: &Session) {
     let p = &session.run.progress;
     if let Some(change) = session.run.change {
         let lit = if change.newly_lit > 0 { format!(", {} cells newly lit", change.newly_lit) } else { String::new() };
-        ui.label(format!("{}{lit} ({:.1} ms)", change.action, p.seconds * 1e3));
+        let device = if session.settings.on_card { "card" } else { "processor" };
+        ui.label(format!("{}{lit} ({:.1} ms, {device})", change.action, p.seconds * 1e3));
         ui.separator();
     }
     let level = match session.settings.view.layer {

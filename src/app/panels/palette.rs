@@ -118,6 +118,11 @@ fn entries(ctx: &Context, session: &Session) -> Vec<Entry> {
     set("Centre and flux on or off".to_owned(), &|v| v.flux = !v.flux);
     set("Occluders on or off".to_owned(), &|v| v.occluders = !v.occluders);
     add("Run again after every edit".to_owned(), "setting", Ask::Rerun(!session.reruns()));
+    if cfg!(feature = "gpu") {
+        let on_card = !session.settings.on_card;
+        let device = if on_card { "graphics card" } else { "processor" };
+        add(format!("Compute on the {device}"), "setting", Ask::OnCard(on_card));
+    }
     entries
 }
 

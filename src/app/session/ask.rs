@@ -34,6 +34,8 @@ pub enum Ask {
     Kept(Vec<Curves>),
     /// Whether edits run again by themselves.
     Rerun(bool),
+    /// Whether a graphics card iterates, where it can.
+    OnCard(bool),
     /// Iterations a second while playing.
     Pace(f64),
     /// Memory for past iterations, in MiB.

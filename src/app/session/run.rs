@@ -13,6 +13,7 @@ use crate::app::worker::{Load, Order, Progress, Start, Worker};
 use crate::field::Levels;
 use crate::scene::{Preset, Problem};
 use crate::simulation::Change;
+use crate::simulation::options::Device;
 
 /// The run in progress, or the last one.
 pub struct Run {
@@ -63,7 +64,7 @@ impl Run {
     }
 
     /// Hands a document to the worker, with what is to run beside it; `leave` keeps the run that is left.
-    pub fn load(&mut self, document: &Document, others: Vec<Rival>, start: Start, leave: bool) {
+    pub fn load(&mut self, document: &Document, others: Vec<Rival>, start: Start, leave: bool, device: Device) {
         let tag = self.branches.begin(self.record());
         let preset = &document.preset;
         self.ran = preset.clone();
@@ -78,7 +79,7 @@ impl Run {
         let levels = Levels::new(preset.size, preset.coarsest).map_or(1, |levels| levels.count());
         self.progress = Progress { side: preset.size, levels, ..Progress::default() };
         let (preset, folder, others) = (preset.clone(), document.folder(), self.others.clone());
-        let load = Load { preset, folder, others, start, tag, leave };
+        let load = Load { preset, folder, others, start, tag, leave, device };
         self.send(Order::Load(Box::new(load)));
     }
 

@@ -14,6 +14,7 @@ use super::unreadable::fault;
 use super::view::{View, Workspace};
 use crate::app::worker::look::Layer;
 use crate::scene::SceneError;
+use crate::simulation::options::Device;
 
 /// How many recent presets are remembered.
 const MOST_RECENT: usize = 8;
@@ -51,6 +52,8 @@ pub struct Settings {
     /// Whether edits run again by themselves; where nothing was chosen, those of small volumes do.
     #[serde(deserialize_with = "chosen")]
     pub rerun: Option<bool>,
+    /// Whether a graphics card iterates, where it can.
+    pub on_card: bool,
 }
 
 impl Default for Settings {
@@ -65,6 +68,7 @@ impl Default for Settings {
             pace: 4.0,
             looping: false,
             rerun: None,
+            on_card: false,
         }
     }
 }
@@ -101,6 +105,11 @@ impl Settings {
             *level = (*level).min(BEYOND);
         }
         self
+    }
+
+    /// What iterates.
+    pub fn device(&self) -> Device {
+        if self.on_card { Device::Gpu } else { Device::Cpu }
     }
 
     /// Memory for past iterations, in bytes.

@@ -130,6 +130,12 @@ impl Session {
         self.load(Start::To { iteration, merge: merged });
     }
 
+    /// Has a graphics card iterate from now on, or the processor, and runs again.
+    pub fn compute_on(&mut self, card: bool) {
+        self.settings.on_card = card;
+        self.run_again();
+    }
+
     /// Does one action with every propagator.
     pub(super) fn act(&mut self, action: Action) {
         self.run.at = None;

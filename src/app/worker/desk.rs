@@ -356,7 +356,7 @@ impl Desk {
         self.picture(false);
     }
 
-    fn tracks_of(&self, load: &Load) -> Result<Vec<Track>, String> {
+    fn tracks_of(&mut self, load: &Load) -> Result<Vec<Track>, String> {
         let problem = Problem::build_with(&load.preset, &load.folder, &self.cache, &mut |_| {})
             .map_err(|error| error.to_string())?;
         let others = load.others.iter().filter_map(|rival| rival.problem(&problem));
@@ -364,7 +364,11 @@ impl Desk {
         let budget = self.budget / problems.len();
         let mut tracks = Vec::new();
         for problem in problems {
-            tracks.push(Track::new(problem, budget).map_err(|error| error.to_string())?);
+            let (track, why) = Track::on(load.device, problem, budget).map_err(|error| error.to_string())?;
+            tracks.push(track);
+            if let Some(why) = why {
+                self.tell(News::NotThere(why));
+            }
         }
         Ok(tracks)
     }

@@ -2,6 +2,7 @@
 
 use crate::app::worker::history::History;
 use crate::scene::Problem;
+use crate::simulation::options::{Device, Options};
 use crate::simulation::{Action, Change, Refusal, Simulation};
 use crate::study::error::ErrorRow;
 use crate::study::expectation::{Expectation, References};
@@ -24,7 +25,14 @@ pub struct Track {
 impl Track {
     /// A dark simulation of `problem`, with `budget` bytes for its past.
     pub fn new(problem: Problem, budget: usize) -> Result<Self, Refusal> {
-        Ok(Track { now: Simulation::new(problem)?, past: History::new(budget), fixed: true })
+        Ok(Track::on(Device::Cpu, problem, budget)?.0)
+    }
+
+    /// The same on a device, or on the processor where that cannot do it; then with the reason.
+    pub fn on(device: Device, problem: Problem, budget: usize) -> Result<(Self, Option<String>), Refusal> {
+        let options = Options { device, ..Options::default() };
+        let (now, why) = Simulation::with_fallback(problem, options)?;
+        Ok((Track { now, past: History::new(budget), fixed: true }, why))
     }
 
     /// Does one action and tells what it changed.

@@ -11,7 +11,7 @@ use crate::report::picture::{Panel, Picture};
 use crate::report::slice::{Axis, Plane, Slice};
 use crate::report::table::{Table, Value};
 use crate::simulation::Simulation;
-use crate::simulation::options::Wanted;
+use crate::simulation::options::{Options, Wanted};
 use crate::study::difference::Difference;
 
 /// How many powers of ten a glyph spans.
@@ -58,7 +58,7 @@ pub(super) fn run(args: &CompareArgs) -> Result<(), CliError> {
             if let Some(scheme) = scheme {
                 problem.propagation.scheme = scheme.to_owned();
             }
-            let mut run = Simulation::<f32>::new(problem)?;
+            let mut run = args.device.simulate(problem, Options::default())?;
             run.run_all(Wanted::Everything);
             runs.push(run);
         }

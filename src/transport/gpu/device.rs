@@ -15,6 +15,15 @@ pub struct Device {
     tick: Option<f32>,
 }
 
+/// Two readings of the card's clock: before what is measured, and after it.
+#[derive(Debug)]
+pub(super) struct Clock {
+    pub(super) set: wgpu::QuerySet,
+    pub(super) readings: wgpu::Buffer,
+    /// Seconds a tick.
+    tick: f64,
+}
+
 /// Why no card computes.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DeviceError {
@@ -53,7 +62,7 @@ impl Device {
         };
         let adapter = instance.request_adapter(&wanted).await.map_err(|error| DeviceError::None(one_line(&error)))?;
         let info = adapter.get_info();
-        let clock = Features::TIMESTAMP_QUERY | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
+        let clock = Features::TIMESTAMP_QUERY;
         let has_clock = adapter.features().contains(clock);
         let description = wgpu::DeviceDescriptor {
             label: Some("lpv-lab"),
@@ -80,9 +89,28 @@ impl Device {
         self.device.limits()
     }
 
-    /// Nanoseconds a tick of its own clock; `None` where it has none.
-    pub fn tick(&self) -> Option<f32> {
-        self.tick
+    /// A reading of its own clock to be taken; `None` where it has none.
+    pub(super) fn clock(&self) -> Option<Clock> {
+        let tick = f64::from(self.tick?) * 1e-9;
+        let set = self.device.create_query_set(&wgpu::QuerySetDescriptor {
+            label: Some("clock"),
+            ty: wgpu::QueryType::Timestamp,
+            count: 2,
+        });
+        let readings = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("clock"),
+            size: 16,
+            usage: BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        Some(Clock { set, readings, tick })
+    }
+
+    /// Waits for the card; seconds between the two readings of a clock.
+    pub(super) fn elapsed(&self, clock: &Clock) -> Result<f64, DeviceError> {
+        let mut ticks = [0u64; 2];
+        self.read(&clock.readings, 0, 16, |_, bytes| bytemuck::bytes_of_mut(&mut ticks).copy_from_slice(bytes))?;
+        Ok(ticks[1].saturating_sub(ticks[0]) as f64 * clock.tick)
     }
 
     /// Runs `make`, and turns what the driver holds against it (a binding that is too large, memory that has run

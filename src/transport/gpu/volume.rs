@@ -5,11 +5,10 @@ use std::sync::{Mutex, PoisonError};
 
 use bytemuck::{Pod, Zeroable};
 
-use super::device::{Device, DeviceError};
+use super::device::{Clock, Device, DeviceError};
 use super::layout::{CELL, Job, Layout, MOST_JOBS, Pass, Span, row_words};
 use super::text::{Constants, Kernel};
 use crate::field::{Grid, IndexVolume, Levels, Octree};
-use crate::sh::Sh;
 
 /// Iterations that are sent to the card at a time.
 const TOGETHER: usize = 64;
@@ -236,7 +235,25 @@ impl Volume {
 
     /// Does an iteration for each of the modes. It does not wait for them.
     pub fn iterate(&mut self, modes: &[Mode]) {
-        for modes in modes.chunks(TOGETHER) {
+        self.submit(modes, None);
+    }
+
+    /// The same, and waits. Seconds that it took: by the card's clock, from the first dispatch's start to the last one's
+    /// end, and whether it was that; else by the clock on the wall, from before the orders are written.
+    pub fn time(&mut self, modes: &[Mode]) -> Result<(f64, bool), DeviceError> {
+        let clock = self.card.clock();
+        let started = std::time::Instant::now();
+        self.submit(modes, clock.as_ref());
+        self.card.wait()?;
+        match clock {
+            Some(clock) => Ok((self.card.elapsed(&clock)?, true)),
+            None => Ok((started.elapsed().as_secs_f64(), false)),
+        }
+    }
+
+    fn submit(&mut self, modes: &[Mode], clock: Option<&Clock>) {
+        let submissions = modes.len().div_ceil(TOGETHER);
+        for (number, modes) in modes.chunks(TOGETHER).enumerate() {
             let mut steps = vec![0u8; modes.len() * STEP_STRIDE as usize];
             for (i, mode) in modes.iter().enumerate() {
                 let slot = (self.slot + i as u32) % 3;
@@ -246,10 +263,20 @@ impl Volume {
             self.card.queue.write_buffer(&self.steps, 0, &steps);
             let mut encoder = self.card.device.create_command_encoder(&Default::default());
             {
-                let mut pass = encoder.begin_compute_pass(&Default::default());
+                let (first, last) = (number == 0, number + 1 == submissions);
+                let timestamp_writes = clock.filter(|_| first || last).map(|clock| wgpu::ComputePassTimestampWrites {
+                    query_set: &clock.set,
+                    beginning_of_pass_write_index: first.then_some(0),
+                    end_of_pass_write_index: last.then_some(1),
+                });
+                let descriptor = wgpu::ComputePassDescriptor { label: None, timestamp_writes };
+                let mut pass = encoder.begin_compute_pass(&descriptor);
                 for (i, mode) in modes.iter().enumerate() {
                     self.encode(&mut pass, *mode, i);
                 }
+            }
+            if let Some(clock) = clock.filter(|_| number + 1 == submissions) {
+                encoder.resolve_query_set(&clock.set, 0..2, &clock.readings, 0);
             }
             self.card.queue.submit([encoder.finish()]);
             self.turned ^= modes.len() % 2 == 1;
@@ -298,12 +325,15 @@ impl Volume {
     fn read_grid(&self, buffer: &wgpu::Buffer, at: u64, grid: &mut Grid<f32>) -> Result<(), DeviceError> {
         let n = grid.side();
         let bytes = (n as u64).pow(3) * CELL;
+        // Pieces are whole rows: both are powers of two, and a row is the smaller one.
         self.card.read(buffer, at * CELL, bytes, |from, bytes| {
             let cells: &[[f32; 4]] = bytemuck::cast_slice(bytes);
-            let first = (from / CELL) as usize;
-            for (i, value) in cells.iter().enumerate() {
-                let i = first + i;
-                grid.set([i % n, i / n % n, i / n / n], Sh(*value));
+            let first = (from / CELL) as usize / n;
+            for (i, cells) in cells.chunks_exact(n).enumerate() {
+                let [c, x, y, z] = grid.row_mut((first + i) % n, (first + i) / n);
+                for (i, cell) in cells.iter().enumerate() {
+                    [c[i], x[i], y[i], z[i]] = *cell;
+                }
             }
         })
     }
@@ -427,7 +457,13 @@ fn dispatch(pass: &mut wgpu::ComputePass<'_>, groups: u32) {
 
 /// The cells of a grid, x fastest.
 fn cells_of(grid: &Grid<f32>) -> Vec<[f32; 4]> {
-    grid.iter().map(|(_, light)| light.0).collect()
+    let n = grid.side();
+    let mut cells = Vec::with_capacity(n.pow(3));
+    for (z, y) in (0..n).flat_map(|z| (0..n).map(move |y| (z, y))) {
+        let [c, x, y, z] = grid.row(y, z);
+        cells.extend((0..n).map(|i| [c[i], x[i], y[i], z[i]]));
+    }
+    cells
 }
 
 /// For every 32 cells the two words of the masks; two words in all where no cell is unlike others.
