@@ -16,6 +16,7 @@ pub mod options;
 pub mod ordinates;
 pub mod preset;
 mod refusal;
+pub mod solve;
 pub mod state;
 pub mod team;
 pub mod transmittance;
@@ -25,6 +26,7 @@ use std::sync::LazyLock;
 pub use divergence::Divergence;
 pub use kind::{Kind, Transport};
 pub use refusal::{Refusal, refuse_what_does_not_fit};
+pub use solve::solve;
 pub use state::{Light, State};
 
 use crate::scene::Propagation;

@@ -65,7 +65,9 @@ fn assert_same(what: &str, [cpu, card]: &[Simulation<f32>; 2]) {
 fn compare(what: &str, preset: &Preset) {
     let mut pair = both(preset);
     for simulation in &mut pair {
-        [Action::Clear, Action::Inject, Action::Downsample].map(|action| simulation.act(action));
+        for action in [Action::Clear, Action::Inject, Action::Downsample] {
+            simulation.act(action);
+        }
     }
     for more in [1, 1, 1, 1, 5, 7] {
         for simulation in &mut pair {
@@ -137,6 +139,7 @@ fn occluders_of_every_kind_have_the_processors_bits() {
             preset.propagation.levels = if bounce == 1.0 { Policy::Consistent } else { Policy::Same };
             preset.occlusion.mode = mode;
             preset.occlusion.bounce = bounce;
+            preset.occluders[0].albedo = [0.5, 0.4, 0.3];
             preset.occlusion.from_iteration = from;
             compare(&format!("{scheme} {mode:?} {bounce}"), &preset);
         }

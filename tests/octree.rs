@@ -11,7 +11,7 @@ use lpv_lab::sh::Sh;
 use lpv_lab::simulation::Simulation;
 use lpv_lab::simulation::options::Wanted;
 use lpv_lab::study::octree::{self, Row, Way};
-use lpv_lab::transport::lattice::fixed_point;
+use lpv_lab::transport;
 
 const N: usize = 32;
 
@@ -196,7 +196,7 @@ fn published_fixed_points_are_reached_by_iterating_by_the_solver_and_by_a_descen
         let off = |found: &dyn Fn(Cell) -> Sh<f64>| {
             wanted.iter().map(|(cell, light)| (found(*cell) - *light).max_norm()).fold(0.0, f64::max) / most
         };
-        let solved = fixed_point::solve(&Problem { coarsest: 16, ..problem.clone() }, 1e-6, |_| true).unwrap().unwrap();
+        let solved = transport::solve(&Problem { coarsest: 16, ..problem.clone() }, 1e-6, |_| true).unwrap().unwrap();
         assert!(off(&|cell| solved.light[0].get(cell).widen()) < 1e-5);
         for descent in [Descent::Off, Descent::Cells] {
             problem.propagation.descent = descent;

@@ -155,7 +155,7 @@ impl Engine {
 
     /// Calls a kernel for these jobs in a mode.
     fn call(&self, name: &str, jobs: &[Job], step: [u32; 4], storage: &[(u32, &wgpu::Buffer)], groups: u32) {
-        let mut list = vec![jobs.len() as u32, 0, 0, 0];
+        let mut list = vec![jobs.len() as u32, groups, 0, 0];
         list.extend(jobs.iter().flat_map(|job| job.words()));
         list.resize(4 + 12 * 64, 0);
         let uniform = [self.buffer(&list, BufferUsages::UNIFORM), self.buffer(&step, BufferUsages::UNIFORM)];
@@ -251,7 +251,7 @@ impl Engine {
             .collect();
         let decisions = self.storage(&[0, 0, 0, 1].repeat(LEVELS));
         for k in 0..iterations {
-            let step = [0, 3, k % 3, 0];
+            let step = [0, 3, k % 3, k % 2];
             let [source, target] = &light;
             let bound = [(2, source), (3, target), (4, &accumulated), (5, &marks), (6, &masks), (7, &decisions)];
             self.call("propagate", &jobs, step, &bound, groups);

@@ -322,6 +322,7 @@ mod tests {
             start,
             tag: 0,
             leave: true,
+            device: Device::Cpu,
         })));
         let (mut failure, mut reached) = (None, 0);
         while failure.is_none() {
@@ -367,6 +368,7 @@ mod tests {
             start: Start::Dark,
             tag: 0,
             leave: true,
+            device: Device::Cpu,
         })));
         let line = wait(&worker, |news| match news {
             News::Failed(line) => Some(line.clone()),

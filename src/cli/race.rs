@@ -9,7 +9,7 @@ use super::console::{self, say};
 use super::output::Folder;
 use crate::report::table::Table;
 use crate::study::race::{self, Plan};
-use crate::transport::lattice::fixed_point::NoFixedPoint;
+use crate::transport::solve::NoFixedPoint;
 
 /// The factors of `cascaded`: what the thesis uses, and NVIDIA's cascades.
 const FACTORS: [f64; 2] = [3.0, 3.8];

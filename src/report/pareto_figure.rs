@@ -5,7 +5,7 @@ use super::colour::Theme;
 use super::plot::{Curve, Dash, Figure, Key, Plot, Shape};
 use crate::scene::propagation::Policy;
 use crate::study::expectation::Expectation;
-use crate::study::pareto::{Propagator, Row, Treatment, front};
+use crate::study::pareto::{Row, Treatment, front};
 
 /// What rows are to have in common so that their errors can be compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,22 +62,12 @@ pub fn treatment_summary(treatment: Treatment) -> &'static str {
     }
 }
 
-/// A propagator as tables and points name it: the scheme, and its directions where it has any.
-pub fn propagator_name(propagator: &Propagator) -> String {
-    match propagator.setting {
-        None => propagator.scheme.to_owned(),
-        Some(setting) => {
-            format!("{}-{}-{}-{}", propagator.scheme, setting.lattice.name(), setting.rule.name(), setting.directions)
-        }
-    }
-}
-
 /// The schemes among the rows, in their order: a scheme's place is the number of its colour.
 pub fn schemes(rows: &[&Row]) -> Vec<&'static str> {
     let mut schemes = Vec::new();
     for row in rows {
-        if !schemes.contains(&row.propagator.scheme) {
-            schemes.push(row.propagator.scheme);
+        if !schemes.contains(&row.scheme) {
+            schemes.push(row.scheme);
         }
     }
     schemes
@@ -102,7 +92,7 @@ pub fn figure(title: &str, rows: &[&Row], theme: Theme, size: impl FnOnce(usize)
         }];
         for (color, scheme) in schemes.iter().enumerate() {
             for (i, treatment) in Treatment::ALL.into_iter().enumerate() {
-                let points = ours.iter().filter(|row| (row.propagator.scheme, row.treatment) == (*scheme, treatment));
+                let points = ours.iter().filter(|row| (row.scheme, row.treatment) == (*scheme, treatment));
                 let name = if i == 0 { (*scheme).to_owned() } else { String::new() };
                 let dash = Dash::Points(shape(treatment));
                 curves.push(Curve { name, points: points.map(|row| point(row)).collect(), color, dash });
@@ -128,12 +118,14 @@ pub fn figure(title: &str, rows: &[&Row], theme: Theme, size: impl FnOnce(usize)
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Propagation;
     use crate::study::fit::BestFit;
 
     fn row(scheme: &'static str, treatment: Treatment, seconds: f64, fitted: f64) -> Row {
         Row {
             preset: "mixed".to_owned(),
-            propagator: Propagator { scheme, setting: None },
+            scheme,
+            propagation: Propagation::default(),
             treatment,
             size: 32,
             iterations: 4,

@@ -3,7 +3,6 @@
 use std::io;
 
 use super::number::plain;
-use super::pareto_figure::propagator_name;
 use crate::study::error::ErrorRow;
 use crate::study::pareto;
 
@@ -171,7 +170,7 @@ pub fn pareto(rows: &[&pareto::Row]) -> Table<9> {
     for row in rows {
         table.push([
             row.preset.as_str().into(),
-            Value::Text(propagator_name(&row.propagator)),
+            Value::Text(row.name()),
             row.treatment.name().into(),
             row.size.into(),
             row.iterations.into(),

@@ -22,7 +22,7 @@ use crate::scene::{Problem, Source};
 use crate::simulation::options::Wanted;
 use crate::simulation::{Refusal, Simulation};
 use crate::transport::descent::{Descent, Grids, of_problem};
-use crate::transport::lattice::fixed_point::{self, NoFixedPoint};
+use crate::transport::{self, solve::NoFixedPoint};
 
 /// Under this part of the largest light nobody sees a flicker.
 const FAINT: f64 = 1e-3;
@@ -136,7 +136,7 @@ fn right(problem: &Problem) -> Result<Vec<Grid<f32>>, NoFixedPoint> {
     let propagation = Propagation { descent: Asked::Off, levels: Policy::Same, ..problem.propagation.clone() };
     let problem = Problem { coarsest: problem.size, propagation, ..problem.clone() };
     // Nobody stops it, so there is an answer.
-    Ok(fixed_point::solve(&problem, TOLERANCE, |_| true)?.map(|found| found.light).unwrap_or_default())
+    Ok(transport::solve(&problem, TOLERANCE, |_| true)?.map(|found| found.light).unwrap_or_default())
 }
 
 /// c00 of every cell over all channels, each at its largest multiple.

@@ -16,7 +16,8 @@ use crate::scene::propagation::descent::Descent;
 use crate::scene::propagation::{Policy, Propagation, Snapshots};
 use crate::simulation::options::Wanted;
 use crate::simulation::{Refusal, Simulation};
-use crate::transport::lattice::fixed_point::{NoFixedPoint, Solver};
+use crate::transport::lattice::fixed_point::Solver;
+use crate::transport::solve::{NoFixedPoint, Solve};
 
 /// A way to use an octree, or none.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,11 +1,11 @@
 //! Time against error: every way to get at the light of a scene, how long it takes and how far off it is.
 //!
-//! The scene may be any; those of `bench` are made at any size ([`made`]). The ways are each scheme with
-//! each policy for its levels after 1, 2, 4 … iterations, its fixed point, and discrete ordinates. Errors
+//! The scene may be any; those of `bench` are made at any size ([`synthetic`]). The ways are each scheme with
+//! each policy for its levels after 1, 2, 4 … iterations, and what finds all light of a kind at once. Errors
 //! are L1 ratios of the merged light against two references:
 //!
 //! - *uniform*: the fixed point of the uniform volume under the same scheme and factor, what the scheme itself
-//!   is after (ordinates have no such volume);
+//!   is after (a kind without levels is after something else);
 //! - *ballistic*: what truly arrives, against the light that has moved.
 //!
 //! Times are medians over rounds in which all ways take turns. They hold all that is computed between the
@@ -18,12 +18,11 @@ use super::expectation::Expectation;
 use super::fit::{BestFit, l1};
 use super::light::channel_scales;
 use super::reference;
-use crate::scene::Problem;
 use crate::scene::propagation::Policy;
-use crate::scene::propagation::ordinates::Setting;
+use crate::scene::{Problem, Propagation};
 use crate::simulation::Refusal;
+use crate::transport;
 use crate::transport::ballistic::Ballistic;
-use crate::transport::lattice::schemes;
 use way::{Outcome, Start};
 
 /// How a way gets at the light of the volume.
@@ -56,27 +55,20 @@ impl Treatment {
     }
 }
 
-/// What takes light from cell to cell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Propagator {
-    /// The propagator's name, as presets have it.
-    pub scheme: &'static str,
-    /// Its directions, where it has any.
-    pub setting: Option<Setting>,
-}
-
 /// One way on one scene against one expectation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// The scene's name.
     pub preset: String,
-    /// What takes its light.
-    pub propagator: Propagator,
+    /// The kind of transport that takes its light.
+    pub scheme: &'static str,
+    /// Its setting.
+    pub propagation: Propagation,
     /// How the volume is treated.
     pub treatment: Treatment,
     /// The side of the volume.
     pub size: usize,
-    /// Iterations; sweeps of the solver; 1 for the one sweep of ordinates.
+    /// Iterations, or sweeps of what finds all light at once.
     pub iterations: usize,
     /// From injection to merged light.
     pub seconds: f64,
@@ -86,17 +78,26 @@ pub struct Row {
     pub l1: BestFit,
 }
 
+impl Row {
+    /// The setting's name in tables, as its kind has it.
+    pub fn name(&self) -> String {
+        transport::find(self.scheme).map_or_else(String::new, |kind| (kind.label)(&self.propagation))
+    }
+}
+
 /// Of the ways on one scene and size against one reference those that no other beats in both time and error
 /// after the best scalar, the fastest first.
 ///
 /// ```
 /// use lpv_lab::study::expectation::Expectation;
 /// use lpv_lab::study::fit::BestFit;
-/// use lpv_lab::study::pareto::{Propagator, Row, Treatment, front};
+/// use lpv_lab::scene::Propagation;
+/// use lpv_lab::study::pareto::{Row, Treatment, front};
 ///
 /// let row = |seconds: f64, error: f64| Row {
 ///     preset: "mixed".to_owned(),
-///     propagator: Propagator { scheme: "cascaded", setting: None },
+///     scheme: "cascaded",
+///     propagation: Propagation::default(),
 ///     treatment: Treatment::Uniform,
 ///     size: 32,
 ///     iterations: 4,
@@ -144,8 +145,9 @@ pub fn measure_against(
     rounds: usize,
     progress: &dyn Fn(f64) -> bool,
 ) -> Result<Option<Vec<Row>>, Refusal> {
-    let mut ways = way::all();
-    let steps = (schemes::names().len() + ways.len() * (1 + rounds)) as f64;
+    let mut ways = way::all(&problem.propagation);
+    let levelled: Vec<&str> = transport::kinds().iter().filter(|kind| kind.can.levels).map(|kind| kind.name).collect();
+    let steps = (levelled.len() + ways.len() * (1 + rounds)) as f64;
     let mut done = 0;
     let mut go_on = || {
         done += 1;
@@ -153,7 +155,7 @@ pub fn measure_against(
     };
     let start = Start::new(problem)?;
     let mut fixed_points = Vec::new();
-    for name in schemes::names() {
+    for name in levelled {
         fixed_points.push((name, reference::fixed_point(&way::with(problem, name, Treatment::Uniform, 0))?));
         if !go_on() {
             return Ok(None);
@@ -185,7 +187,8 @@ pub fn measure_against(
         let seconds = times.get(times.len() / 2).copied().unwrap_or_default();
         let row = |expectation, l1| Row {
             preset: name.to_owned(),
-            propagator: way.propagator(),
+            scheme: way.kind().name,
+            propagation: way.propagation().clone(),
             treatment: way.treatment(),
             size: problem.size,
             iterations: outcome.iterations,
@@ -193,9 +196,9 @@ pub fn measure_against(
             expectation,
             l1,
         };
-        let fixed_point = fixed_points.iter().find(|(name, _)| *name == way.propagator().scheme);
-        if let (Some(all), Some((_, Some(uniform)))) = (&outcome.all, fixed_point) {
-            rows.push(row(Expectation::Merged, l1(&scales, all, uniform)));
+        let fixed_point = fixed_points.iter().find(|(name, _)| *name == way.kind().name);
+        if let Some((_, Some(uniform))) = fixed_point {
+            rows.push(row(Expectation::Merged, l1(&scales, &outcome.all, uniform)));
         }
         rows.push(row(Expectation::Ballistic, l1(&scales, &outcome.moved, truth.light())));
     }
@@ -214,7 +217,7 @@ mod tests {
         let [(name, problem), ..] = synthetic::scenes(8, 3.0);
         let rows = measure(name, &problem, 1, &|_| true).unwrap().unwrap();
         let of = |treatment: Treatment, expectation: Expectation| -> Vec<&Row> {
-            let rows = rows.iter().filter(|row| row.preset == "one-wall" && row.propagator.scheme == "cascaded");
+            let rows = rows.iter().filter(|row| row.preset == "one-wall" && row.scheme == "cascaded");
             rows.filter(|row| row.treatment == treatment && row.expectation == expectation).collect()
         };
         let uniform = of(Treatment::Uniform, Expectation::Merged);
@@ -225,7 +228,7 @@ mod tests {
         assert_eq!(consistent.len(), way::ITERATIONS.len());
         assert!(of(Treatment::Converged, Expectation::Merged)[1].l1.raw < 1e-3);
         assert!(rows.iter().all(|row| row.l1.fitted <= row.l1.raw));
-        let directed = |row: &&Row| row.propagator.setting.is_some();
+        let directed = |row: &&Row| transport::find(row.scheme).is_some_and(|kind| !kind.can.levels);
         assert!(rows.iter().filter(directed).all(|row| row.expectation == Expectation::Ballistic));
     }
 
@@ -238,7 +241,7 @@ mod tests {
         let rows = measure("walled", &problem, 1, &|share| (0.0..=1.0).contains(&share)).unwrap().unwrap();
         // The solver refuses occluders, the ordinates do not.
         assert!(rows.iter().all(|row| row.treatment != Treatment::Converged && row.preset == "walled"));
-        assert!(rows.iter().any(|row| row.propagator.setting.is_some() && row.l1.fitted < 1.0));
+        assert!(rows.iter().any(|row| row.treatment == Treatment::Uniform && row.name().contains("faces")));
         assert_eq!(measure("walled", &problem, 1, &|share| share < 0.5).unwrap(), None);
     }
 
@@ -246,7 +249,8 @@ mod tests {
     fn the_front_holds_what_nothing_beats() {
         let row = |seconds: f64, fitted: f64| Row {
             preset: "one-wall".to_owned(),
-            propagator: Propagator { scheme: "cascaded", setting: None },
+            scheme: "cascaded",
+            propagation: Propagation::default(),
             treatment: Treatment::Octree(Policy::Same),
             size: 8,
             iterations: 1,

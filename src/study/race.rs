@@ -13,7 +13,8 @@ use crate::simulation::options::Wanted;
 use crate::simulation::{Action, Simulation};
 use crate::study::pareto::synthetic;
 use crate::study::reference;
-use crate::transport::lattice::fixed_point::{Found, NoFixedPoint, Solver};
+use crate::transport::lattice::fixed_point::Solver;
+use crate::transport::solve::{Found, NoFixedPoint, Solve};
 
 /// What to measure.
 #[derive(Clone, Debug, PartialEq)]

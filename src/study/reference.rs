@@ -13,8 +13,8 @@ use crate::scene::propagation::{Policy, Propagation, Snapshots};
 use crate::sh::Real;
 use crate::simulation::options::Wanted;
 use crate::simulation::{Action, Light, Refusal, Simulation};
+use crate::transport;
 use crate::transport::kind::Precision;
-use crate::transport::lattice::fixed_point;
 
 /// The relative residual to which the fixed point is solved for.
 const TOLERANCE: f64 = 1e-5;
@@ -32,7 +32,7 @@ pub fn uniform<T: Real>(simulation: &Simulation<T>) -> Vec<Grid<T>> {
     if simulation.problem().propagation.descent == Descent::Off {
         return own();
     }
-    match fixed_point::solve(&finest(simulation.problem()), TOLERANCE, |_| true) {
+    match transport::solve(&finest(simulation.problem()), TOLERANCE, |_| true) {
         Ok(Some(found)) => found.light.iter().map(cast).collect(),
         // Light that grows for ever has no fixed point.
         _ => own(),
@@ -66,7 +66,7 @@ pub fn injected<T: Precision>(problem: &Problem) -> Result<Simulation<T>, Refusa
 pub fn fixed_point(problem: &Problem) -> Result<Option<Vec<Grid<f32>>>, Refusal> {
     let propagation = Propagation { snapshots: Snapshots::Thesis, ..problem.propagation.clone() };
     let problem = Problem { propagation, ..problem.clone() };
-    if let Ok(Some(found)) = fixed_point::solve(&problem, TOLERANCE, |_| true) {
+    if let Ok(Some(found)) = transport::solve(&problem, TOLERANCE, |_| true) {
         return Ok(Some(found.light));
     }
     let mut simulation = injected::<f32>(&problem)?;

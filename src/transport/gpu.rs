@@ -4,6 +4,7 @@ pub mod card;
 pub mod device;
 pub mod export;
 pub mod layout;
+mod pipeline;
 pub mod porting;
 pub mod text;
 pub mod volume;

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use super::divergence::Divergence;
 use super::options::{Device, Options, Wanted, Work};
 use super::refusal::Refusal;
+use super::solve::{NoFixedPoint, Solve};
 use super::state::State;
 use crate::field::{Channels, Grid, Levels};
 use crate::scene::error::Fault;
@@ -132,6 +133,8 @@ pub enum Law {
     /// At the factor [`Kind::conserving`] Σ c00 of the finest level stays what it is after the first iteration, until
     /// light reaches the border.
     Conservation,
+    /// Without occluders [`Kind::solver`] finds what iterating for ever gives.
+    FixedPoint,
     /// A closed wall of hard occluders lets no light pass.
     Shutters,
     /// Single precision keeps within rounding of double precision.
@@ -140,6 +143,9 @@ pub enum Law {
 
 /// Makes a transport.
 pub type Make<T> = fn(&Setup) -> Result<Box<dyn Transport<T>>, Refusal>;
+
+/// Makes what finds all light at once.
+pub type MakeSolver = fn(&Problem) -> Result<Box<dyn Solve>, NoFixedPoint>;
 
 /// What is known of a kind of transport before it runs.
 #[derive(Clone, Copy, Debug)]
@@ -164,6 +170,12 @@ pub struct Kind {
     pub label: fn(&Propagation) -> String,
     /// Bytes that it will keep beside the state: for a problem on levels of these sizes, in numbers of so many bytes.
     pub bytes: fn(&Problem, Levels, usize, usize) -> u64,
+    /// Makes what finds all its light on the finest level at once, for problems where there is such a thing.
+    pub solver: MakeSolver,
+    /// Relative residuals to which it is worth solving; one where it is exact whatever is asked for.
+    pub tolerances: &'static [f64],
+    /// The settings that are worth measuring beside others, all else being as in what is given.
+    pub variants: fn(&Propagation) -> Vec<Propagation>,
     /// Makes one in single precision.
     pub single: Make<f32>,
     /// Makes one in double precision, where there is one.

@@ -46,6 +46,7 @@ use crate::sh::Real;
 use ceiling::Ceiling;
 use coarse::Coarse;
 use exact::leaves::Leaves;
+use fixed_point::Solver;
 use kernel::form::Form;
 use kernel::occluded::Which;
 use kernel::plain;
@@ -72,6 +73,9 @@ fn kind(scheme: &Scheme) -> Kind {
         check: |_| Ok(()),
         label: |propagation| propagation.scheme.clone(),
         bytes,
+        solver: |problem| Ok(Box::new(Solver::for_problem(problem)?)),
+        tolerances: &[1e-2, 1e-4],
+        variants: |propagation| vec![propagation.clone()],
         single: Lattice::build,
         double: Some(Lattice::build),
         card: None,
@@ -93,6 +97,9 @@ pub(super) fn bytes(problem: &Problem, sizes: Levels, channels: usize, number: u
 /// Every face is linear but for its clamp.
 fn laws(propagation: &Propagation) -> Vec<Law> {
     let mut laws = vec![Law::Symmetry, Law::Reach, Law::Shutters, Law::Precision];
+    if Solver::new(propagation, 1).is_ok() {
+        laws.push(Law::FixedPoint);
+    }
     if !propagation.clamp {
         laws.extend([Law::Superposition, Law::Conservation]);
     }

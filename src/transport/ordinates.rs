@@ -27,11 +27,12 @@ mod sweep;
 use glam::DVec3;
 
 use super::kind::{Capabilities, Kind, Law};
+use super::solve::{Found, NoFixedPoint, Solve};
 use super::team;
 use super::transmittance::Transmittance;
 use crate::field::Grid;
-use crate::scene::Propagation;
 use crate::scene::propagation::ordinates::{Lattice, Rule, Setting};
+use crate::scene::{Problem, Propagation};
 use crate::sh::Real;
 use beams::Beams;
 use directions::Direction;
@@ -53,15 +54,27 @@ pub fn kinds() -> Vec<Kind> {
         check: |_| Ok(()),
         label,
         bytes: beams::bytes,
+        solver: |problem| Ok(Box::new(OneSweep::new(problem))),
+        tolerances: &[0.0],
+        variants,
         single: Beams::build,
         double: Some(Beams::build),
         card: None,
     }]
 }
 
+/// Both lattices of directions under both rules, with some 24 to 192 directions.
+fn variants(propagation: &Propagation) -> Vec<Propagation> {
+    let sets = Lattice::ALL.into_iter().flat_map(|lattice| Rule::ALL.map(|rule| (lattice, rule)));
+    let settings =
+        sets.flat_map(|(lattice, rule)| [24, 48, 72, 128, 192].map(|directions| Setting { directions, rule, lattice }));
+    settings.map(|ordinates| Propagation { ordinates, ..propagation.clone() }).collect()
+}
+
 /// A spiral of directions has no symmetry of the cube.
 fn laws(propagation: &Propagation) -> Vec<Law> {
-    let mut laws = vec![Law::Superposition, Law::Reach, Law::Conservation, Law::Shutters, Law::Precision];
+    let mut laws =
+        vec![Law::FixedPoint, Law::Superposition, Law::Reach, Law::Conservation, Law::Shutters, Law::Precision];
     if propagation.ordinates.lattice == Lattice::Octahedral {
         laws.push(Law::Symmetry);
     }
@@ -171,6 +184,38 @@ impl<T: Real> Ordinates<T> {
                 plane.iter_mut().zip(&piece.arrived.planes()[p]).for_each(|(sum, c)| *sum += *c);
             }
         });
+    }
+}
+
+/// All light in one sweep in the order of the wind.
+#[derive(Debug)]
+struct OneSweep {
+    ordinates: Ordinates,
+    room: Room,
+    occluders: Option<Transmittance>,
+}
+
+impl OneSweep {
+    fn new(problem: &Problem) -> Self {
+        OneSweep {
+            ordinates: Ordinates::of(&problem.propagation.ordinates),
+            room: Room::new(problem.size),
+            occluders: Transmittance::of(problem),
+        }
+    }
+}
+
+impl Solve for OneSweep {
+    fn solve(
+        &mut self,
+        injected: &Grid<f32>,
+        _: f64,
+        light: &mut Grid<f32>,
+        _: &mut dyn FnMut(f64) -> bool,
+    ) -> Result<Option<Found>, NoFixedPoint> {
+        self.ordinates.solve_in(&mut self.room, injected, self.occluders.as_ref(), light);
+        light.add_grid(injected);
+        Ok(Some(Found { residual: 0.0, sweeps: 1 }))
     }
 }
 

@@ -3,46 +3,34 @@
 use std::time::Instant;
 
 use crate::field::Grid;
-use crate::scene::occluder::OcclusionMode;
-use crate::scene::propagation::Policy;
-use crate::scene::propagation::Snapshots;
-use crate::scene::propagation::ordinates::{Lattice, Rule, Setting};
+use crate::scene::propagation::{Policy, Snapshots};
 use crate::scene::{Problem, Propagation};
 use crate::simulation::options::Wanted;
 use crate::simulation::{Refusal, Simulation};
 use crate::study::light;
-use crate::study::pareto::{Propagator, Treatment};
+use crate::study::pareto::Treatment;
 use crate::study::reference;
-use crate::transport::lattice::fixed_point::{NoFixedPoint, Solver};
-use crate::transport::lattice::schemes;
-use crate::transport::ordinates::{self, Ordinates, Room};
-use crate::transport::transmittance::Transmittance;
+use crate::transport::solve::NoFixedPoint;
+use crate::transport::{Kind, find, kinds};
 
 /// Iterations after which a scheme is looked at.
 pub(super) const ITERATIONS: [usize; 6] = [1, 2, 4, 8, 16, 32];
-/// Relative residuals to which fixed points are solved for.
-const TOLERANCES: [f64; 2] = [1e-2, 1e-4];
-/// Sets of directions: about so many.
-const DIRECTIONS: [usize; 5] = [24, 48, 72, 128, 192];
-
 /// A way to get at the light.
 pub(super) enum Way {
-    Iterate { scheme: &'static str, treatment: Treatment, iterations: usize },
-    Solve { scheme: &'static str, tolerance: f64 },
-    Ordinates(Lattice, Ordinates),
+    Iterate { propagation: Propagation, treatment: Treatment, iterations: usize },
+    Solve { propagation: Propagation, tolerance: f64 },
 }
 
 /// What every way starts from.
 pub(super) struct Start {
     problem: Problem,
     pub(super) injected: Simulation<f32>,
-    occluders: Option<Transmittance>,
 }
 
 /// The light of a way, and where it came from.
 pub(super) struct Outcome {
-    /// Everything, for the uniform reference; `None` where there is no such volume.
-    pub(super) all: Option<Vec<Grid<f32>>>,
+    /// Everything, for the uniform reference.
+    pub(super) all: Vec<Grid<f32>>,
     /// What has moved, for the ballistic one.
     pub(super) moved: Vec<Grid<f32>>,
     pub(super) iterations: usize,
@@ -51,10 +39,8 @@ pub(super) struct Outcome {
 
 impl Start {
     pub(super) fn new(problem: &Problem) -> Result<Self, Refusal> {
-        let problem = with(problem, schemes::names()[0], Treatment::Uniform, 0);
-        let blocks = problem.occlusion.mode != OcclusionMode::Off;
-        let occluders = Transmittance::new(problem.size, if blocks { &problem.solids } else { &[] });
-        Ok(Start { injected: reference::injected(&problem)?, occluders, problem })
+        let problem = with(problem, kinds()[0].name, Treatment::Uniform, 0);
+        Ok(Start { injected: reference::injected(&problem)?, problem })
     }
 }
 
@@ -74,59 +60,63 @@ pub(super) fn with(problem: &Problem, scheme: &str, treatment: Treatment, iterat
     Problem { coarsest, propagation, ..problem.clone() }
 }
 
-/// Every way there is.
-pub(super) fn all() -> Vec<Way> {
+/// Every way there is, in the setting that a scene has.
+pub(super) fn all(propagation: &Propagation) -> Vec<Way> {
     let mut ways = Vec::new();
-    for scheme in schemes::names() {
-        for treatment in Treatment::ALL.into_iter().filter(|one| *one != Treatment::Converged) {
-            ways.extend(ITERATIONS.map(|iterations| Way::Iterate { scheme, treatment, iterations }));
-        }
-        ways.extend(TOLERANCES.map(|tolerance| Way::Solve { scheme, tolerance }));
-    }
-    for lattice in Lattice::ALL {
-        for rule in Rule::ALL {
-            ways.extend(DIRECTIONS.map(|count| Way::Ordinates(lattice, Ordinates::new(lattice, count, rule))));
+    for kind in kinds() {
+        let named = Propagation { scheme: kind.name.to_owned(), ..propagation.clone() };
+        for propagation in (kind.variants)(&named) {
+            for treatment in Treatment::ALL.into_iter().filter(|one| kind.can.levels && *one != Treatment::Converged) {
+                ways.extend(ITERATIONS.map(|iterations| {
+                    let propagation = propagation.clone();
+                    Way::Iterate { propagation, treatment, iterations }
+                }));
+            }
+            let tolerances = kind.tolerances.iter();
+            ways.extend(tolerances.map(|&tolerance| Way::Solve { propagation: propagation.clone(), tolerance }));
         }
     }
     ways
 }
 
 impl Way {
-    pub(super) fn propagator(&self) -> Propagator {
-        match self {
-            Way::Iterate { scheme, .. } | Way::Solve { scheme, .. } => Propagator { scheme, setting: None },
-            Way::Ordinates(lattice, ordinates) => {
-                let setting = Setting { directions: ordinates.count(), rule: ordinates.rule(), lattice: *lattice };
-                Propagator { scheme: ordinates::NAME, setting: Some(setting) }
-            }
-        }
+    pub(super) fn propagation(&self) -> &Propagation {
+        let (Way::Iterate { propagation, .. } | Way::Solve { propagation, .. }) = self;
+        propagation
+    }
+
+    pub(super) fn kind(&self) -> &'static Kind {
+        // The names are those of kinds.
+        find(&self.propagation().scheme).unwrap_or(&kinds()[0])
     }
 
     pub(super) fn treatment(&self) -> Treatment {
         match self {
             Way::Iterate { treatment, .. } => *treatment,
-            Way::Solve { .. } => Treatment::Converged,
-            Way::Ordinates(..) => Treatment::Uniform,
+            Way::Solve { .. } if self.kind().can.levels => Treatment::Converged,
+            Way::Solve { .. } => Treatment::Uniform,
         }
     }
 
     /// From the injected light to what becomes of it.
     pub(super) fn go(&self, start: &Start) -> Result<Outcome, NoFixedPoint> {
-        let Start { problem, injected, occluders } = start;
-        let lights = injected.lights().iter().map(|light| light.source.level(0));
+        let Start { problem, injected } = start;
+        let problem = Problem { propagation: self.propagation().clone(), ..problem.clone() };
+        let scheme = self.kind().name;
         match self {
-            Way::Iterate { scheme, treatment, iterations } => {
-                let mut simulation = Simulation::<f32>::new(with(problem, scheme, *treatment, *iterations))?;
+            Way::Iterate { treatment, iterations, .. } => {
+                let mut simulation = Simulation::<f32>::new(with(&problem, scheme, *treatment, *iterations))?;
                 let started = Instant::now();
                 simulation.run_all(Wanted::Merged);
                 let seconds = started.elapsed().as_secs_f64();
                 let merged = simulation.lights().iter().filter_map(|light| light.merged.clone());
                 let moved = light::moved(&simulation);
-                Ok(Outcome { all: Some(merged.collect()), moved, iterations: *iterations, seconds })
+                Ok(Outcome { all: merged.collect(), moved, iterations: *iterations, seconds })
             }
-            Way::Solve { scheme, tolerance } => {
-                let problem = with(problem, scheme, Treatment::Uniform, 0);
-                let mut solver = Solver::for_problem(&problem)?;
+            Way::Solve { tolerance, .. } => {
+                let problem = with(&problem, scheme, Treatment::Uniform, 0);
+                let mut solver = (self.kind().solver)(&problem)?;
+                let lights = injected.lights().iter().map(|light| light.source.level(0));
                 let mut all: Vec<Grid<f32>> = lights.clone().map(|_| Grid::new(problem.size)).collect();
                 let mut iterations = 0;
                 let started = Instant::now();
@@ -139,16 +129,7 @@ impl Way {
                 for (light, moved) in lights.zip(&mut moved) {
                     light.iter().filter(|(_, c)| !c.is_zero()).for_each(|(cell, c)| moved.add(cell, c * -1.0));
                 }
-                Ok(Outcome { all: Some(all), moved, iterations, seconds })
-            }
-            Way::Ordinates(_, ordinates) => {
-                let mut room = Room::new(problem.size);
-                let mut moved: Vec<Grid<f32>> = lights.clone().map(|_| Grid::new(problem.size)).collect();
-                let started = Instant::now();
-                for (light, moved) in lights.zip(&mut moved) {
-                    ordinates.solve_in(&mut room, light, occluders.as_ref(), moved);
-                }
-                Ok(Outcome { all: None, moved, iterations: 1, seconds: started.elapsed().as_secs_f64() })
+                Ok(Outcome { all, moved, iterations, seconds })
             }
         }
     }

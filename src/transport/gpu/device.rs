@@ -24,6 +24,17 @@ pub(super) struct Clock {
     tick: f64,
 }
 
+impl Clock {
+    /// Readings at the beginning of a pass, at its end, or both.
+    pub(super) fn of_pass(&self, begin: bool, end: bool) -> wgpu::ComputePassTimestampWrites<'_> {
+        wgpu::ComputePassTimestampWrites {
+            query_set: &self.set,
+            beginning_of_pass_write_index: begin.then_some(0),
+            end_of_pass_write_index: end.then_some(1),
+        }
+    }
+}
+
 /// Why no card computes.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DeviceError {
@@ -157,24 +168,57 @@ impl Device {
         }
     }
 
-    /// Bytes that a copy on the card reads and writes in a second, the median of so many rounds.
+    /// Bytes that a plain copy by a kernel reads and writes in a second, the median of so many rounds.
     ///
     /// # Errors
     /// Where the card has no room for two buffers.
     pub fn copy_bandwidth(&self, rounds: usize) -> Result<f64, DeviceError> {
         const TIMES: u32 = 16;
-        let bytes = self.limits().max_buffer_size.min(512 << 20);
+        // Far more than a cache holds.
+        let bytes = self.limits().max_storage_buffer_binding_size.min(512 << 20) & !4095;
         let [from, to] = self.tried(|card| ["copy from", "copy to"].map(|label| card.storage(label, bytes)))?;
+        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("copy"),
+            source: wgpu::ShaderSource::Wgsl(include_str!("kernels/copy.wgsl").into()),
+        });
+        let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some("copy"),
+            layout: None,
+            module: &module,
+            entry_point: None,
+            compilation_options: Default::default(),
+            cache: None,
+        });
+        let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &[(0, &from), (1, &to)]
+                .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }),
+        });
+        let groups = (bytes / 16).div_ceil(256) as u32;
+        let clock = self.clock();
         let mut rates = Vec::new();
         for _ in 0..=rounds {
             let mut encoder = self.device.create_command_encoder(&Default::default());
-            for _ in 0..TIMES {
-                encoder.copy_buffer_to_buffer(&from, 0, &to, 0, bytes);
+            {
+                let timestamp_writes = clock.as_ref().map(|clock| clock.of_pass(true, true));
+                let mut pass =
+                    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes });
+                pass.set_pipeline(&pipeline);
+                pass.set_bind_group(0, &group, &[]);
+                (0..TIMES).for_each(|_| pass.dispatch_workgroups(groups.min(4096), groups.div_ceil(4096), 1));
+            }
+            if let Some(clock) = &clock {
+                encoder.resolve_query_set(&clock.set, 0..2, &clock.readings, 0);
             }
             let started = std::time::Instant::now();
             self.queue.submit([encoder.finish()]);
             self.wait()?;
-            rates.push(2.0 * f64::from(TIMES) * bytes as f64 / started.elapsed().as_secs_f64());
+            let seconds = match &clock {
+                Some(clock) => self.elapsed(clock)?,
+                None => started.elapsed().as_secs_f64(),
+            };
+            rates.push(2.0 * f64::from(TIMES) * bytes as f64 / seconds);
         }
         // The first copy also makes the memory.
         rates.remove(0);

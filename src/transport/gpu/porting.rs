@@ -87,8 +87,8 @@ pub fn page(title: &str, scheme: &str, factor: f64, constants: &Constants, exten
     );
     line("## Bindings\n");
     line(
-        "All in group (set, space) 0. Binding 0: `Jobs`, a count (16 bytes) and up to 64 entries of 48 bytes, one for each \
-         level and channel. Binding 1: `Step`, 16 bytes: 0, the mode, the iteration modulo 3, unused. The first number must \
+        "All in group (set, space) 0. Binding 0: `Jobs`, 16 bytes (how many, and the workgroups of them all) and up to 64 entries of 48 bytes, one for each \
+         level and channel. Binding 1: `Step`, 16 bytes: 0, the mode, the iteration modulo 3, and 1 to go through the cells backwards (the newest are still in the cache where iterations take turns). The first number must \
          be 0: products are combined with it, so that no compiler fuses them with sums.\n",
     );
     for kernel in needed(constants) {

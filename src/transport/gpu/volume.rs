@@ -1,12 +1,10 @@
 //! Octrees of light in the card's memory, and what is done to them there.
 
-use std::collections::HashMap;
-use std::sync::{Mutex, PoisonError};
-
 use bytemuck::{Pod, Zeroable};
 
 use super::device::{Clock, Device, DeviceError};
 use super::layout::{CELL, Job, Layout, MOST_JOBS, Pass, Span, row_words};
+use super::pipeline::{bind_group, pipeline};
 use super::text::{Constants, Kernel};
 use crate::field::{Grid, IndexVolume, Levels, Octree};
 
@@ -51,7 +49,7 @@ struct Step {
     zero: u32,
     mode: u32,
     slot: u32,
-    unused: u32,
+    backwards: u32,
 }
 
 /// A cell that a solid touches (`Touched` in `kernels/solids.wgsl`).
@@ -180,7 +178,7 @@ impl Volume {
     }
 
     fn bind(&self, pass: &Pass, masked: &wgpu::Buffer, around: &wgpu::Buffer, masks: &Masks) -> Bound {
-        let jobs = jobs_buffer(self.card, &pass.jobs);
+        let jobs = jobs_buffer(self.card, pass);
         let [a, b, sum] = self.light.each_ref().map(|banks| &banks[pass.bank]);
         let common = |source, target| {
             vec![
@@ -257,18 +255,15 @@ impl Volume {
             let mut steps = vec![0u8; modes.len() * STEP_STRIDE as usize];
             for (i, mode) in modes.iter().enumerate() {
                 let slot = (self.slot + i as u32) % 3;
-                let step = Step { zero: 0, mode: mode.bits(), slot, unused: 0 };
+                let backwards = u32::from(self.turned) ^ (i as u32 & 1);
+                let step = Step { zero: 0, mode: mode.bits(), slot, backwards };
                 steps[i * STEP_STRIDE as usize..][..size_of::<Step>()].copy_from_slice(bytemuck::bytes_of(&step));
             }
             self.card.queue.write_buffer(&self.steps, 0, &steps);
             let mut encoder = self.card.device.create_command_encoder(&Default::default());
             {
                 let (first, last) = (number == 0, number + 1 == submissions);
-                let timestamp_writes = clock.filter(|_| first || last).map(|clock| wgpu::ComputePassTimestampWrites {
-                    query_set: &clock.set,
-                    beginning_of_pass_write_index: first.then_some(0),
-                    end_of_pass_write_index: last.then_some(1),
-                });
+                let timestamp_writes = clock.filter(|_| first || last).map(|clock| clock.of_pass(first, last));
                 let descriptor = wgpu::ComputePassDescriptor { label: None, timestamp_writes };
                 let mut pass = encoder.begin_compute_pass(&descriptor);
                 for (i, mode) in modes.iter().enumerate() {
@@ -349,78 +344,6 @@ impl Volume {
     }
 }
 
-/// Every pipeline that was compiled, by its text: scenes of one scheme share them.
-fn pipeline(card: &'static Device, kernel: Kernel, constants: &Constants) -> wgpu::ComputePipeline {
-    static COMPILED: Mutex<Option<HashMap<String, wgpu::ComputePipeline>>> = Mutex::new(None);
-    let text = kernel.text(constants);
-    let mut compiled = COMPILED.lock().unwrap_or_else(PoisonError::into_inner);
-    let compiled = compiled.get_or_insert_default();
-    if let Some(pipeline) = compiled.get(&text) {
-        return pipeline.clone();
-    }
-    let module = card.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(kernel.name()),
-        source: wgpu::ShaderSource::Wgsl(text.as_str().into()),
-    });
-    let layout = card.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some(kernel.name()),
-        entries: &bindings(kernel),
-    });
-    let layout = card.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(kernel.name()),
-        bind_group_layouts: &[Some(&layout)],
-        immediate_size: 0,
-    });
-    let pipeline = card.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some(kernel.name()),
-        layout: Some(&layout),
-        module: &module,
-        entry_point: Some(kernel.name()),
-        compilation_options: Default::default(),
-        cache: None,
-    });
-    compiled.insert(text, pipeline.clone());
-    pipeline
-}
-
-/// What a kernel is bound to.
-fn bindings(kernel: Kernel) -> Vec<wgpu::BindGroupLayoutEntry> {
-    use wgpu::BufferBindingType::{Storage, Uniform};
-    let (read, write) = (Storage { read_only: true }, Storage { read_only: false });
-    let kinds: &[(u32, wgpu::BufferBindingType)] = match kernel {
-        Kernel::Propagate => &[(2, read), (3, write), (4, write), (5, write), (6, read), (7, write)],
-        Kernel::Solids => &[(2, read), (3, write), (4, write), (5, write), (6, read), (8, read), (9, read)],
-        Kernel::Downsample => &[(2, read), (3, write), (5, write)],
-        Kernel::Merge => &[(2, read), (3, write), (5, read)],
-        Kernel::Inject => &[(2, read), (3, write), (4, write), (5, write)],
-    };
-    let uniforms = [(0, Uniform), (1, Uniform)];
-    uniforms
-        .iter()
-        .chain(kinds)
-        .map(|&(binding, ty)| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: binding == 1, min_binding_size: None },
-            count: None,
-        })
-        .collect()
-}
-
-fn bind_group(
-    card: &Device,
-    pipeline: &wgpu::ComputePipeline,
-    entries: Vec<(u32, wgpu::BindingResource<'_>)>,
-) -> wgpu::BindGroup {
-    let entries: Vec<wgpu::BindGroupEntry<'_>> =
-        entries.into_iter().map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
-    card.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout: &pipeline.get_bind_group_layout(0),
-        entries: &entries,
-    })
-}
-
 fn span_binding(buffer: &wgpu::Buffer, span: Span) -> wgpu::BindingResource<'_> {
     wgpu::BindingResource::Buffer(wgpu::BufferBinding {
         buffer,
@@ -437,8 +360,8 @@ fn step_binding(buffer: &wgpu::Buffer) -> wgpu::BindingResource<'_> {
     })
 }
 
-fn jobs_buffer(card: &Device, jobs: &[Job]) -> wgpu::Buffer {
-    let head = [jobs.len() as u32, 0, 0, 0];
+fn jobs_buffer(card: &Device, Pass { jobs, groups, .. }: &Pass) -> wgpu::Buffer {
+    let head = [jobs.len() as u32, *groups, 0, 0];
     let buffer = card.uniform("jobs", (size_of_val(&head) + MOST_JOBS * size_of::<Job>()) as u64);
     card.write(&buffer, 0, bytemuck::cast_slice(&head));
     card.write(&buffer, size_of_val(&head) as u64, bytemuck::cast_slice(jobs));

@@ -35,7 +35,8 @@ use super::schemes;
 use super::stencil::Stencil;
 use crate::field::Grid;
 use crate::scene::{Problem, Propagation};
-use crate::transport::{Refusal, known, team};
+use crate::transport::solve::{Found, NoFixedPoint, Solve};
+use crate::transport::{known, team};
 use chessboard::{Half, Shape};
 use clamped_steps::ClampedSteps;
 use lit_rows::LitRows;
@@ -45,85 +46,6 @@ use roots::Roots;
 const MOST_SWEEPS: usize = 500;
 /// A relative residual from which no sweep comes back.
 const HOPELESS: f64 = 1e6;
-
-/// Why a fixed point is not found.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NoFixedPoint {
-    /// The setting itself cannot be run.
-    #[error(transparent)]
-    Refused(#[from] Refusal),
-    /// What propagates the light is no scheme of the lattice.
-    #[error("\"{name}\" solves no linear equation of cells; a fixed point is solved for under a scheme")]
-    NoScheme {
-        /// What propagates it.
-        name: &'static str,
-    },
-    /// Occluders are no part of the linear equation that is solved.
-    #[error("the fixed point is solved for without occluders; iterate, or set occlusion to Off")]
-    Occluders,
-    /// The clamp acts in every iteration.
-    #[error(
-        "scheme \"{scheme}\" clamps light in every iteration, so its fixed point solves no linear equation; iterate, or switch the clamp off"
-    )]
-    Clamped {
-        /// The scheme.
-        scheme: String,
-    },
-    /// The fixed point does not exist, or is too far.
-    #[error(
-        "no fixed point was found: the relative residual is {residual:.1e} after {sweeps} sweeps; use a factor below {factor}"
-    )]
-    Diverges {
-        /// What was reached.
-        residual: f64,
-        /// After how many sweeps.
-        sweeps: usize,
-        /// The factor asked for.
-        factor: f64,
-    },
-}
-
-/// The fixed point of a problem.
-#[derive(Clone, Debug)]
-pub struct Converged {
-    /// A of each channel: what accumulates under the thesis's snapshots.
-    pub light: Vec<Grid<f32>>,
-    /// The relative residual of the channel that has the largest.
-    pub residual: f64,
-    /// Sweeps taken, over all channels.
-    pub sweeps: usize,
-}
-
-/// How near to the fixed point one channel was brought.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
-    /// The relative residual.
-    pub residual: f64,
-    /// Sweeps taken, each as much work as one iteration.
-    pub sweeps: usize,
-}
-
-/// Solves for the fixed point of a problem's finest level to a relative residual of `tolerance`, which
-/// single precision bounds at about 1e-6. `watch` hears of the residual after every sweep and returns
-/// whether to go on; `None` if it did not want to.
-pub fn solve(
-    problem: &Problem,
-    tolerance: f64,
-    mut watch: impl FnMut(f64) -> bool,
-) -> Result<Option<Converged>, NoFixedPoint> {
-    let mut solver = Solver::for_problem(problem)?;
-    let mut converged = Converged { light: Vec::new(), residual: 0.0, sweeps: 0 };
-    for injected in problem.injected::<f32>(&problem.channels()) {
-        let mut light = Grid::new(problem.size);
-        let Some(found) = solver.solve(&injected, tolerance, &mut light, &mut watch)? else {
-            return Ok(None);
-        };
-        converged.residual = converged.residual.max(found.residual);
-        converged.sweeps += found.sweeps;
-        converged.light.push(light);
-    }
-    Ok(Some(converged))
-}
 
 /// What it takes to solve for one setting and size, made once for any number of injections.
 #[derive(Clone, Debug)]
@@ -177,14 +99,15 @@ impl Solver {
             tail: Tail { shape, rest: [half(), half()], b: half(), x: half(), stale: LitRows::nowhere(n) },
         })
     }
+}
 
-    /// Sets `light` to the fixed point of what is `injected`, both of the solver's size; see [`solve`].
-    pub fn solve(
+impl Solve for Solver {
+    fn solve(
         &mut self,
         injected: &Grid<f32>,
         tolerance: f64,
         light: &mut Grid<f32>,
-        watch: &mut impl FnMut(f64) -> bool,
+        watch: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<Found>, NoFixedPoint> {
         team::stay_awake();
         if !self.clamped.run(injected, light) {
@@ -243,6 +166,7 @@ mod tests {
     use crate::sh::Sh;
     use crate::transport::lattice::kernel::plain;
     use crate::transport::lattice::kernel::step::once;
+    use crate::transport::solve;
     use glam::DVec3;
 
     fn problem(size: usize, scheme: &str, factor: f64, clamp: bool) -> Problem {
@@ -337,7 +261,8 @@ mod tests {
         walled.solids = vec![Solid::new([1; 3], DVec3::X, 1.0, [0.0; 3])];
         assert_eq!(refused(&walled), NoFixedPoint::Occluders);
         assert!(matches!(refused(&problem(16, "cascaded", 4.3, true)), NoFixedPoint::Diverges { .. }));
-        assert!(matches!(refused(&problem(8, "ordinates", 3.0, true)), NoFixedPoint::NoScheme { .. }));
+        let directed = Propagation { scheme: "ordinates".to_owned(), ..Propagation::default() };
+        assert!(matches!(Solver::new(&directed, 8), Err(NoFixedPoint::NoScheme { .. })));
         assert!(matches!(refused(&problem(16, "nonsense", 3.0, true)), NoFixedPoint::Refused(_)));
         let stopped = solve(&problem(8, "cascaded", 3.0, true), 1e-4, |_| false);
         assert!(stopped.unwrap().is_none());

@@ -13,9 +13,9 @@ use crate::app::session::ask::{Ask, Asks};
 use crate::app::session::command::Command;
 use crate::app::session::pareto::{CHOICES, against, choice_name};
 use crate::report::colour::Theme;
-use crate::report::pareto_figure::{point, propagator_name, schemes};
-use crate::scene::Preset;
+use crate::report::pareto_figure::{point, schemes};
 use crate::scene::propagation::Policy;
+use crate::scene::{Preset, Propagation};
 use crate::study::pareto::{Row, Treatment, front};
 
 /// The treatments of the levels, the marks that tell them apart, and what the legend says.
@@ -101,13 +101,13 @@ pub fn ui(ui: &mut Ui, session: &Session, theme: &Theme, asks: &mut Asks) {
         plot.line(line.style(LineStyle::Solid).allow_hover(false));
         for row in front(&rows) {
             let [x, y] = logged(row);
-            let text = format!(" {}, k = {}", propagator_name(&row.propagator), row.iterations);
+            let text = format!(" {}, k = {}", row.name(), row.iterations);
             let text = RichText::new(text).size(10.0).color(color(theme.ink));
             plot.text(Text::new("", PlotPoint::new(x, y), text).anchor(Align2::LEFT_BOTTOM).allow_hover(false));
         }
         for (i, scheme) in schemes.iter().enumerate() {
             for (treatment, shape, _) in TREATMENTS {
-                let is_ours = |row: &&&Row| row.propagator.scheme == *scheme && row.treatment == treatment;
+                let is_ours = |row: &&&Row| row.scheme == *scheme && row.treatment == treatment;
                 let ours = rows.iter().filter(is_ours);
                 let points: Vec<[f64; 2]> = ours.map(|row| logged(row)).collect();
                 let points = Points::new(*scheme, PlotPoints::new(points)).shape(shape);
@@ -133,11 +133,8 @@ pub fn ui(ui: &mut Ui, session: &Session, theme: &Theme, asks: &mut Asks) {
 /// The preset with the setting of a row.
 fn loaded(preset: &Preset, row: &Row) -> Preset {
     let mut preset = preset.clone();
-    preset.propagation.scheme = row.propagator.scheme.to_owned();
-    preset.propagation.iterations = row.iterations;
-    if let Some(setting) = row.propagator.setting {
-        preset.propagation.ordinates = setting;
-    }
+    let snapshots = preset.propagation.snapshots;
+    preset.propagation = Propagation { iterations: row.iterations, snapshots, ..row.propagation.clone() };
     match row.treatment {
         Treatment::Octree(policy) => preset.propagation.levels = policy,
         Treatment::Uniform | Treatment::Converged => preset.coarsest = preset.size,
@@ -148,6 +145,6 @@ fn loaded(preset: &Preset, row: &Row) -> Preset {
 /// What stands beside a point.
 fn describe(row: &Row) -> String {
     let [milliseconds, error] = point(row);
-    let name = propagator_name(&row.propagator);
+    let name = row.name();
     format!("{name}, k = {}, {}\n{milliseconds:.3} ms: L1 {error:.3e}", row.iterations, row.treatment.name())
 }

@@ -110,8 +110,20 @@ fn in_cone(light: vec4<f32>) -> bool {
     return light.x >= 0.0 && left.x + left.y >= 0.0;
 }
 
-var<workgroup> lit: array<atomic<u32>, 32>;
-var<workgroup> outside: atomic<u32>;
+// The cell of an invocation: workgroups are tiles of 32 x 8 cells of a slab, whose rows are read once for all of them.
+// In a small grid they take cells as they lie.
+fn cell_of(job: Job, group: u32, lane: u32) -> vec3<u32> {
+    if job.bits < 5u {
+        let i = group * GROUP + lane;
+        let last = job.side - 1u;
+        return vec3<u32>(i & last, (i >> job.bits) & last, job.z_first + (i >> (2u * job.bits)));
+    }
+    let across = job.bits - 5u;
+    let down = job.bits - 3u;
+    let x = ((group & ((1u << across) - 1u)) << 5u) + (lane & 31u);
+    let y = (((group >> across) & ((1u << down) - 1u)) << 3u) + (lane >> 5u);
+    return vec3<u32>(x, y, job.z_first + (group >> (across + down)));
+}
 
 @compute @workgroup_size(256)
 fn propagate(
@@ -119,69 +131,75 @@ fn propagate(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let group = id.x + id.y * groups.x;
+    // Every other iteration runs backwards: it finds in the cache what the one before wrote last.
+    let order = id.x + id.y * groups.x;
+    if order >= jobs.groups {
+        return;
+    }
+    let group = select(order, jobs.groups - 1u - order, step.backwards != 0u);
     let job = jobs.list[job_of(group)];
-    let i = (group - job.first_group) * GROUP + lane;
-    let is_cell = i < (job.z_count << (2u * job.bits));
-    let slot = 1u + step.slot;
     let entry = 4u * job.decision;
+    let decides = (step.mode & MODE_DECIDE) != 0u;
     let is_linear = (step.mode & MODE_LINEAR) != 0u
         && (atomicLoad(&decisions[entry]) != 0u
-            || ((step.mode & MODE_DECIDE) != 0u && atomicLoad(&decisions[entry + 1u + (step.slot + 2u) % 3u]) == 0u));
-    if lane < 32u { atomicStore(&lit[lane], 0u); }
-    if lane == 0u { atomicStore(&outside, 0u); }
-    workgroupBarrier();
+            || (decides && atomicLoad(&decisions[entry + 1u + (step.slot + 2u) % 3u]) == 0u));
+    if decides && group == job.first_group && lane == 0u {
+        if is_linear { atomicStore(&decisions[entry], 1u); }
+        // The entry of the next iteration, which nobody reads or writes in this one.
+        atomicStore(&decisions[entry + 1u + (step.slot + 1u) % 3u], 0u);
+    }
 
-    let cell = vec3<u32>(i & (job.side - 1u), (i >> job.bits) & (job.side - 1u), job.z_first + (i >> (2u * job.bits)));
-    // A word holds a row of a small grid, or 32 cells of a large one.
-    let shift = min(job.bits, 5u);
+    let cell = cell_of(job, group - job.first_group, lane);
+    let z = cell.z - job.z_first;
+    if z >= job.z_count {
+        return;
+    }
+    let i = cell.x + (cell.y << job.bits) + (z << (2u * job.bits));
     let word = job.words_at + (i >> job.bits) * job.row_words + (cell.x >> 5u);
     let bit = 1u << (cell.x & 31u);
     var mask = vec2<u32>(0u, 0xffffffffu);
-    if is_cell && (step.mode & (MODE_SOLIDS | MODE_MASKED)) != 0u {
+    if (step.mode & (MODE_SOLIDS | MODE_MASKED)) != 0u {
         mask = masks[word];
     }
-    let is_touched = (step.mode & MODE_SOLIDS) != 0u && (mask.x & bit) != 0u;
-    if is_cell && !is_touched {
-        let around = neighbours(job, cell);
-        var value: vec4<f32>;
-        if MAY_BE_PLAIN && (step.mode & MODE_PLAIN) != 0u {
-            value = plain(job.level, around);
-        } else if is_linear {
-            value = linear(job.level, around);
-        } else {
-            value = clamped(job.level, around);
-        }
-        value = settle(value);
-        if (step.mode & MODE_KEEP) != 0u {
-            value += source[job.source_at + i + ((job.z_first - job.z_read) << (2u * job.bits))];
-        }
-        let at = job.target_at + i;
-        light[at] = value;
-        let sums = (step.mode & MODE_MASKED) == 0u || (mask.y & bit) != 0u;
-        if any(value != vec4<f32>(0.0)) {
-            atomicOr(&lit[lane >> shift], bit);
-            if sums {
-                accumulated[at] += value;
-            }
-            if (step.mode & MODE_DECIDE) != 0u && !is_linear && !in_cone(value) {
-                atomicStore(&outside, 1u);
-            }
+    if (step.mode & MODE_SOLIDS) != 0u && (mask.x & bit) != 0u {
+        return;
+    }
+    let at = job.target_at + i;
+    let sums = (step.mode & MODE_MASKED) == 0u || (mask.y & bit) != 0u;
+    let was_lit = (atomicLoad(&marks[word]) & bit) != 0u;
+    // Where light has been there is a sum to add to: it is read along with the neighbours, and not after them.
+    var sum = vec4<f32>(0.0);
+    if was_lit && sums {
+        sum = accumulated[at];
+    }
+    let around = neighbours(job, cell);
+    var value: vec4<f32>;
+    if MAY_BE_PLAIN && (step.mode & MODE_PLAIN) != 0u {
+        value = plain(job.level, around);
+    } else if is_linear {
+        value = linear(job.level, around);
+    } else {
+        value = clamped(job.level, around);
+    }
+    value = settle(value);
+    if (step.mode & MODE_KEEP) != 0u {
+        value += source[job.source_at + i + ((job.z_first - job.z_read) << (2u * job.bits))];
+    }
+    light[at] = value;
+    if all(value == vec4<f32>(0.0)) {
+        return;
+    }
+    if !was_lit {
+        atomicOr(&marks[word], bit);
+        if sums {
+            sum = accumulated[at];
         }
     }
-    workgroupBarrier();
-
-    if is_cell && (lane & ((1u << shift) - 1u)) == 0u {
-        let now = atomicLoad(&lit[lane >> shift]);
-        if (now & ~atomicLoad(&marks[word])) != 0u {
-            atomicOr(&marks[word], now);
-        }
+    if sums {
+        accumulated[at] = sum + value;
     }
-    if lane == 0u && (step.mode & MODE_DECIDE) != 0u {
-        if atomicLoad(&outside) != 0u { atomicStore(&decisions[entry + slot], 1u); }
-        if group == job.first_group {
-            if is_linear { atomicStore(&decisions[entry], 1u); }
-            atomicStore(&decisions[entry + 1u + (step.slot + 1u) % 3u], 0u);
-        }
+    let outside = entry + 1u + step.slot;
+    if decides && !is_linear && !in_cone(value) && atomicLoad(&decisions[outside]) == 0u {
+        atomicStore(&decisions[outside], 1u);
     }
 }
