@@ -2,9 +2,6 @@
 //! may break: stepping is running, and neither threads nor what is left out change a bit.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-mod cube;
-
-use cube::Symmetry;
 use glam::DVec3;
 use lpv_lab::field::{Cell, Grid};
 use lpv_lab::scene::occluder::OcclusionMode;
@@ -14,6 +11,7 @@ use lpv_lab::scene::{Occlusion, Problem, Solid, Source};
 use lpv_lab::sh::Sh;
 use lpv_lab::simulation::options::{Options, Skip, Wanted};
 use lpv_lab::simulation::{Action, Simulation};
+use lpv_lab::study::laws::{self, Reach, Symmetry};
 use lpv_lab::transport::kind::{Law, Precision};
 use lpv_lab::transport::{Kind, kinds};
 
@@ -74,37 +72,22 @@ fn finest<T: Precision>(simulation: &Simulation<T>) -> &Grid<T> {
     simulation.lights()[0].accumulated.level(0)
 }
 
+fn holds(kind: &Kind, verdict: Result<(), String>) {
+    assert_eq!(verdict, Ok(()), "{}", kind.name);
+}
+
 #[test]
 fn symmetry() {
     for (kind, propagation) in claiming(Law::Symmetry) {
-        let straight = run::<f64>(problem(N, lobes(), propagation.clone()));
-        for symmetry in Symmetry::all() {
-            let turn = |(cell, light): (Cell, Sh<f64>)| (symmetry.cell(cell, N - 1), symmetry.light(light));
-            let turned = run::<f64>(problem(N, lobes().into_iter().map(turn).collect(), propagation.clone()));
-            for level in 0..straight.sizes().count() {
-                let last = straight.sizes().side(level) - 1;
-                let grid = |s: &Simulation<f64>| s.lights()[0].accumulated.level(level).clone();
-                let (straight, turned) = (grid(&straight), grid(&turned));
-                for (cell, light) in straight.iter() {
-                    let image = turned.get(symmetry.cell(cell, last));
-                    let off = (image - symmetry.light(light)).max_norm();
-                    assert!(off < 1e-12, "{}, level {level}, {symmetry:?}, {cell:?}: {off}", kind.name);
-                }
-            }
-        }
+        let straight = run::<f64>(problem(N, lobes(), propagation));
+        Symmetry::all().for_each(|by| holds(kind, laws::symmetry(&straight, by, 1e-12)));
     }
 }
 
 #[test]
 fn superposition() {
     for (kind, propagation) in claiming(Law::Superposition) {
-        let all = run::<f64>(problem(N, lobes(), propagation.clone()));
-        let each = lobes().into_iter().map(|one| run::<f64>(problem(N, vec![one], propagation.clone())));
-        let mut sum = Grid::new(N);
-        each.for_each(|one| sum.add_grid(finest(&one)));
-        for (cell, light) in finest(&all).iter() {
-            assert!((sum.get(cell) - light).max_norm() < 1e-12, "{}, {cell:?}", kind.name);
-        }
+        holds(kind, laws::superposition(&run::<f64>(problem(N, lobes(), propagation)), 1e-12));
     }
 }
 
@@ -112,20 +95,30 @@ fn superposition() {
 fn reach_and_parity() {
     let (from, direction) = ([2, 4, 3], [0.6, -0.3, 0.74]);
     for (kind, propagation) in claiming(Law::Reach) {
-        let mut lit = 0;
-        let mut simulation = Simulation::<f64>::new(problem(N, vec![lobe(from, direction, 1.0)], propagation)).unwrap();
-        simulation.run(|now| {
-            let k = now.iteration();
-            for (cell, light) in now.lights()[0].source.level(0).iter() {
-                let distance: usize = (0..3).map(|a| cell[a].abs_diff(from[a])).sum();
-                let possible = distance <= k && (distance + k).is_multiple_of(2);
-                assert!(possible || light.is_zero(), "{}, k = {k}, {cell:?}", kind.name);
-                lit += usize::from(distance == k && !light.is_zero());
-            }
-            true
-        });
-        // The front is not only never ahead of its reach: it gets there.
-        assert!(lit > 6, "{}", kind.name);
+        let mut now = Simulation::<f64>::new(problem(N, vec![lobe(from, direction, 1.0)], propagation)).unwrap();
+        now.act(Action::Inject);
+        now.act(Action::Downsample);
+        let mut reach = Reach::new(&now);
+        for k in 1..=6 {
+            now.act(Action::Propagate);
+            reach.step(false);
+            holds(kind, reach.check(&now));
+            let distance = |cell: Cell| (0..3).map(|a| cell[a].abs_diff(from[a])).sum::<usize>();
+            let front =
+                now.lights()[0].source.level(0).iter().filter(|(cell, light)| distance(*cell) == k && !light.is_zero());
+            // It is not only never ahead of its reach: it gets there.
+            assert!(front.count() > 0, "{}, k = {k}", kind.name);
+        }
+    }
+}
+
+#[test]
+fn what_is_solved_for_is_what_iterating_comes_to() {
+    for (kind, propagation) in claiming(Law::FixedPoint) {
+        for factor in [2.0, 3.5] {
+            let propagation = Propagation { factor, ..propagation.clone() };
+            holds(kind, laws::fixed_point(&problem(N, lobes(), propagation), 2e-5, 300));
+        }
     }
 }
 
@@ -181,8 +174,12 @@ fn single_precision_is_near_double() {
 
 #[test]
 fn stepping_running_threads_and_skipping_give_the_same_bits() {
-    for (kind, propagation) in settings() {
-        let problem = problem(N, lobes(), propagation);
+    let modes = [OcclusionMode::Off, OcclusionMode::Fuzzy, OcclusionMode::Hard];
+    for ((kind, propagation), mode) in settings().flat_map(|setting| modes.map(|mode| (setting.clone(), mode))) {
+        let mut problem = problem(N, lobes(), propagation);
+        problem.solids = (0..9).map(|i| Solid::new([4, 2 + i % 3, 3 + i / 3], DVec3::X, 0.9, [0.5; 3])).collect();
+        problem.occlusion = Occlusion { mode, bounce: 0.5, ..Occlusion::default() };
+        let what = format!("{}, {mode:?}", kind.name);
         let stepped = run::<f32>(problem.clone());
         for threads in [1, 3] {
             for skip in [Skip::default(), Skip { channels: true, ..Skip::NOTHING }] {
@@ -193,14 +190,15 @@ fn stepping_running_threads_and_skipping_give_the_same_bits() {
                     whole.run_all(Wanted::Everything);
                     whole
                 });
-                assert!(whole.lights() == stepped.lights(), "{}, {threads} threads, {skip:?}", kind.name);
-                assert!(whole.index() == stepped.index(), "{}, {threads} threads, {skip:?}", kind.name);
+                assert!(whole.lights() == stepped.lights(), "{what}, {threads} threads, {skip:?}");
+                assert!(whole.index() == stepped.index(), "{what}, {threads} threads, {skip:?}");
             }
         }
         let mut again = stepped.clone();
         again.act(Action::Clear);
         again.run(|_| true);
-        assert!(again.lights() == stepped.lights(), "{}: clearing leaves nothing behind", kind.name);
+        assert!(again.lights() == stepped.lights(), "{what}: clearing leaves nothing behind");
+        assert_eq!(laws::again(&stepped), Ok(()), "{what}");
     }
 }
 

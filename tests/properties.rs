@@ -2,15 +2,13 @@
 //! the index volume and the merge by their definitions.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-mod cube;
-
-use cube::Symmetry;
 use glam::DVec3;
 use lpv_lab::field::{Cell, Grid};
 use lpv_lab::scene::propagation::{Propagation, Snapshots};
 use lpv_lab::scene::{Occlusion, Problem, Source};
 use lpv_lab::sh::Sh;
 use lpv_lab::simulation::{Action, Simulation};
+use lpv_lab::study::laws::Symmetry;
 use lpv_lab::transport::lattice::schemes;
 use lpv_lab::transport::lattice::stencil::Stencil;
 use proptest::prelude::*;

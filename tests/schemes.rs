@@ -1,15 +1,13 @@
 //! One suite of properties, instantiated for every propagation scheme: free, and among occluders.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-mod cube;
-
-use cube::Symmetry;
 use glam::DVec3;
 use lpv_lab::field::{Cell, Grid, Layout};
 use lpv_lab::scene::occluder::{BlockingSign, OcclusionMode};
 use lpv_lab::scene::{Occlusion, Problem, Propagation, Solid, Source};
 use lpv_lab::sh::Sh;
 use lpv_lab::simulation::Simulation;
+use lpv_lab::study::laws::Symmetry;
 use lpv_lab::transport::lattice::kernel::plain;
 use lpv_lab::transport::lattice::scheme::{Scheme, Surface};
 use lpv_lab::transport::lattice::schemes;

@@ -6,7 +6,7 @@ use crate::scene::propagation::Snapshots;
 use crate::scene::{Problem, Source};
 use crate::sh::{Real, Sh};
 use crate::simulation::options::Wanted;
-use crate::simulation::{Action, Refusal, Simulation};
+use crate::simulation::{Action, Simulation};
 use crate::transport;
 use crate::transport::kind::Precision;
 use crate::transport::lattice::face::Direction;
@@ -126,7 +126,8 @@ pub fn fixed_point(problem: &Problem, slack: f64, patience: usize) -> Result<(),
     let mut problem = Problem { coarsest: problem.size, ..problem.clone() };
     problem.propagation.snapshots = Snapshots::Thesis;
     let mut iterated = Simulation::<f32>::new(problem.clone()).map_err(told)?;
-    [Action::Inject, Action::Downsample].map(|action| iterated.act(action));
+    iterated.act(Action::Inject);
+    iterated.act(Action::Downsample);
     let died_out = |now: &Simulation<f32>| {
         let energy = |grid: &Grid<f32>| grid.energy().abs();
         now.lights().iter().all(|l| energy(l.source.level(0)) <= 1e-9 * energy(l.accumulated.level(0)))
@@ -281,5 +282,18 @@ mod tests {
             reach.step(false);
             assert_eq!(reach.check(&now), Ok(()));
         }
+    }
+
+    #[test]
+    fn a_step_leads_to_the_neighbours_inside() {
+        let n = 3;
+        let at = |x: usize, y: usize, z: usize| (z * n + y) * n + x;
+        let mut lit = vec![false; 27];
+        lit[at(0, 1, 2)] = true;
+        let found = one_step_further(&lit, false);
+        let expected = [at(1, 1, 2), at(0, 0, 2), at(0, 2, 2), at(0, 1, 1)];
+        assert_eq!((0..27).filter(|i| found[*i]).collect::<Vec<_>>().len(), expected.len());
+        assert!(expected.iter().all(|i| found[*i]));
+        assert!(one_step_further(&lit, true)[at(0, 1, 2)]);
     }
 }

@@ -9,10 +9,12 @@ use std::path::Path;
 use crate::scene::occluder::OcclusionMode;
 use crate::scene::{Preset, Problem, Propagation};
 use crate::simulation::{Action, Refusal, Simulation};
+use crate::transport::kind::Law;
 use crate::transport::lattice::levels::operators;
 use crate::transport::lattice::scheme::{Scheme, Surface};
 use crate::transport::lattice::schemes;
 use crate::transport::lattice::stencil::Stencil;
+use crate::transport::{self, Kind};
 
 /// A rule that no scene may break.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,21 +29,25 @@ pub enum Invariant {
     Energy,
     /// With every face clamped accumulated light never becomes less.
     Accumulates,
-    /// After k iterations light is only where k steps lead from its source: in reach, and of its parity.
+    /// [`crate::study::laws::Reach`]: after k iterations light is only where k steps lead from its source, and of its parity.
     Reach,
     /// Single precision keeps within its bound of double precision.
     Precision,
-    /// A run in one go gives the bits that single steps give.
+    /// [`crate::study::laws::again`]: a run in one go gives the bits that single steps give.
     Again,
-    /// A scene without occluders, turned or mirrored, gives its light turned or mirrored.
+    /// [`crate::study::laws::symmetry`]: a scene without occluders, turned or mirrored, gives its light turned or mirrored.
     Symmetry,
+    /// [`crate::study::laws::superposition`]: the light of two injections is the sum of the light of each.
+    Superposition,
+    /// [`crate::study::laws::fixed_point`]: what is solved for is what iterating comes to.
+    FixedPoint,
     /// Below the critical factor light dies away, in the end steadily.
     Converges,
 }
 
 impl Invariant {
     /// Every rule.
-    pub const ALL: [Invariant; 10] = [
+    pub const ALL: [Invariant; 12] = [
         Invariant::Runs,
         Invariant::Finite,
         Invariant::NonNegative,
@@ -51,6 +57,8 @@ impl Invariant {
         Invariant::Precision,
         Invariant::Again,
         Invariant::Symmetry,
+        Invariant::Superposition,
+        Invariant::FixedPoint,
         Invariant::Converges,
     ];
 
@@ -66,6 +74,8 @@ impl Invariant {
             Invariant::Precision => "f32 near f64",
             Invariant::Again => "steps = run",
             Invariant::Symmetry => "symmetry",
+            Invariant::Superposition => "superposition",
+            Invariant::FixedPoint => "solved = iterated",
             Invariant::Converges => "converges",
         }
     }
@@ -102,7 +112,10 @@ pub struct Report {
 /// A scene and what is known of it before it runs.
 struct Case {
     problem: Problem,
-    scheme: Scheme,
+    /// The kind of transport.
+    kind: &'static Kind,
+    /// Its scheme, where it is a lattice's.
+    scheme: Option<Scheme>,
     /// Every face is clamped, so that light is a sum of lobes with weights of zero or more.
     clamped: bool,
     /// Nothing stands in the light's way.
@@ -112,37 +125,45 @@ struct Case {
 impl Case {
     fn new(preset: &Preset) -> Result<Self, String> {
         let problem = Problem::build(preset, Path::new("")).map_err(|error| error.to_string())?;
-        let scheme = schemes::find(&problem.propagation.scheme).ok_or("the scheme is not known")?;
-        let clamped = problem.propagation.clamp && scheme.faces.iter().all(|face| face.clamp);
+        let kind = transport::known(&problem.propagation.scheme).map_err(|error| error.to_string())?;
+        let scheme = schemes::find(kind.name);
+        let all_clamp = scheme.as_ref().is_some_and(|scheme| scheme.faces.iter().all(|face| face.clamp));
+        let clamped = problem.propagation.clamp && all_clamp;
         let free = problem.solids.is_empty() || problem.occlusion.mode == OcclusionMode::Off;
-        Ok(Case { problem, scheme, clamped, free })
+        Ok(Case { problem, kind, scheme, clamped, free })
     }
 
-    /// The operator of every level.
+    /// The operator of every level, of a lattice.
     fn stencils(&self) -> Result<Vec<Stencil<f64>>, Refusal> {
+        let Some(scheme) = &self.scheme else { return Ok(Vec::new()) };
         let Propagation { factor, clamp, levels, .. } = self.problem.propagation;
         let count = (self.problem.size / self.problem.coarsest).ilog2() as usize + 1;
-        let operators = operators(&self.scheme, factor, clamp, levels, count)?;
+        let operators = operators(scheme, factor, clamp, levels, count)?;
         Ok(operators.into_iter().map(|operator| operator.stencil).collect())
     }
 
     /// The rules that apply.
     fn rules(&self) -> Vec<Invariant> {
         let settled = again::settles(self);
+        let claimed = (self.kind.laws)(&self.problem.propagation);
         let applies = |rule: &Invariant| match rule {
-            Invariant::Runs | Invariant::Finite | Invariant::Reach | Invariant::Again => true,
+            Invariant::Runs | Invariant::Finite | Invariant::Again => true,
+            Invariant::Reach => claimed.contains(&Law::Reach),
             Invariant::NonNegative | Invariant::Accumulates => self.clamped,
             // Reflected light is new light.
             Invariant::Energy => self.clamped && (self.free || self.reflects_nothing()),
             Invariant::Precision => self.clamped && self.free && self.problem.propagation.factor <= 16.0,
-            Invariant::Symmetry => self.free,
+            Invariant::Symmetry => self.free && claimed.contains(&Law::Symmetry),
+            Invariant::Superposition => claimed.contains(&Law::Superposition),
+            Invariant::FixedPoint => self.free && claimed.contains(&Law::FixedPoint),
             Invariant::Converges => settled,
         };
         Invariant::ALL.into_iter().filter(applies).collect()
     }
 
     fn reflects_nothing(&self) -> bool {
-        self.problem.occlusion.bounce == 0.0 && self.scheme.surface == Surface::Blocked
+        let blocks = self.scheme.as_ref().is_none_or(|scheme| scheme.surface == Surface::Blocked);
+        self.problem.occlusion.bounce == 0.0 && blocks
     }
 }
 

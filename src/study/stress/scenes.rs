@@ -5,9 +5,10 @@ use crate::scene::Preset;
 use crate::scene::injector::{Injector, InjectorKind, Side};
 use crate::scene::occluder::{Axis, BlockingSign, Occluder, OccluderKind, Occlusion, OcclusionMode};
 use crate::scene::propagation::Policy;
+use crate::scene::propagation::ordinates::{Lattice, Rule, Setting};
 use crate::scene::propagation::{Propagation, Snapshots};
 use crate::study::random::Random;
-use crate::transport::lattice::schemes;
+use crate::transport;
 
 /// A preset of side 1 to 16 that passes [`Preset::check`] and names no file.
 pub fn preset(random: &mut Random) -> Preset {
@@ -35,7 +36,7 @@ pub fn preset(random: &mut Random) -> Preset {
 }
 
 fn propagation(random: &mut Random) -> Propagation {
-    let schemes = schemes::names();
+    let schemes = transport::names();
     let factor = match random.below(8) {
         0 => 0.0,
         1 => 4.0,
@@ -51,7 +52,17 @@ fn propagation(random: &mut Random) -> Propagation {
             [random.below(4)],
         clamp: !random.once_in(4),
         levels: Policy::ALL[usize::from(random.once_in(3))],
+        ordinates: directions(random),
         ..Propagation::default()
+    }
+}
+
+/// Few, so that a scene takes no longer under them than under a scheme.
+fn directions(random: &mut Random) -> Setting {
+    Setting {
+        directions: 8 + random.below(32),
+        rule: Rule::ALL[random.below(Rule::ALL.len())],
+        lattice: Lattice::ALL[random.below(Lattice::ALL.len())],
     }
 }
 

@@ -3,10 +3,11 @@
 use glam::DVec3;
 
 use super::{Broken, Case, Invariant};
-use crate::field::{Cell, Grid};
+use crate::field::Grid;
 use crate::scene::propagation::Snapshots;
 use crate::sh::Sh;
 use crate::simulation::Simulation;
+use crate::study::laws::Reach;
 use crate::study::stability::drift::rounding;
 use crate::transport::lattice::face::Direction;
 use crate::transport::lattice::stencil::Stencil;
@@ -18,8 +19,8 @@ const FAINT: f64 = 1e-20;
 
 /// What is remembered from step to step.
 pub struct Watch {
-    /// Where light can be after this many iterations, level by level.
-    possible: Vec<Vec<bool>>,
+    /// Where light can be.
+    reach: Reach,
     /// Σ c00 of the source, channel by channel, level by level.
     energy: Vec<Vec<f64>>,
     /// The accumulated light of the last step.
@@ -29,6 +30,8 @@ pub struct Watch {
     /// What rounding may change energy by in an iteration, level by level.
     rounding: Vec<f64>,
     copies_first: bool,
+    /// What is fainter than a floor is set to zero.
+    has_floor: bool,
     /// A cell gets back what a surface beside it reflects, in the same iteration.
     reflects: bool,
 }
@@ -36,18 +39,13 @@ pub struct Watch {
 impl Watch {
     /// Before the first iteration.
     pub fn new(case: &Case, stencils: &[Stencil<f64>], simulation: &Simulation<f32>) -> Self {
-        let lights = simulation.lights();
-        let levels = 0..simulation.sizes().count();
-        let lit = |i: usize| {
-            let layout = lights[0].source.level(i).layout();
-            layout.cells().map(|cell| lights.iter().any(|l| !l.source.level(i).get(cell).is_zero())).collect()
-        };
         Watch {
-            possible: levels.map(lit).collect(),
+            reach: Reach::new(simulation),
             energy: Vec::new(),
             accumulated: Vec::new(),
             gain: stencils.iter().map(greatest_gain).collect(),
             rounding: stencils.iter().map(rounding).collect(),
+            has_floor: case.scheme.is_some(),
             copies_first: case.problem.propagation.snapshots == Snapshots::CopyFirst,
             reflects: !case.free && !case.reflects_nothing(),
         }
@@ -63,9 +61,10 @@ impl Watch {
         let k = narrow.iteration();
         if k > 0 {
             let stays = self.reflects || (self.copies_first && k == 1);
-            for (level, possible) in self.possible.iter_mut().enumerate() {
-                *possible = one_step_further(possible, narrow.sizes().side(level), stays);
-            }
+            self.reach.step(stays);
+        }
+        if rules.contains(&Invariant::Reach) {
+            self.reach.check(narrow).map_err(|how| Broken { invariant: Invariant::Reach, how })?;
         }
         for (channel, light) in narrow.lights().iter().enumerate() {
             for (level, source) in light.source.levels().iter().enumerate() {
@@ -74,20 +73,18 @@ impl Watch {
                     let how = format!("iteration {k}, level {level}, channel {channel}: {how}");
                     Err(Broken { invariant, how })
                 };
-                for ((cell, value), possible) in source.iter().zip(&self.possible[level]) {
+                for (cell, value) in source.iter() {
                     let total = sum.get(cell);
                     if !value.0.iter().chain(&total.0).all(|c| c.is_finite()) {
                         return broken(Invariant::Finite, format!("{cell:?} holds {value:?}, in all {total:?}"));
                     }
-                    // Injected light is as it was asked for; after an iteration the kernels' floor holds.
-                    if k > usize::from(self.copies_first) && value.0.iter().any(|c| c.is_subnormal()) {
+                    // Injected light is as it was asked for; after an iteration the lattice's floor holds.
+                    if self.has_floor && k > usize::from(self.copies_first) && value.0.iter().any(|c| c.is_subnormal())
+                    {
                         return broken(Invariant::Finite, format!("{cell:?} holds the denormal {value:?}"));
                     }
                     if rules.contains(&Invariant::NonNegative) && value.0[0].min(total.0[0]) < 0.0 {
                         return broken(Invariant::NonNegative, format!("{cell:?} holds {value:?}, in all {total:?}"));
-                    }
-                    if rules.contains(&Invariant::Reach) && !possible && !value.is_zero() {
-                        return broken(Invariant::Reach, format!("{cell:?} holds {value:?} and must be dark"));
                     }
                     let before = self.accumulated.get(channel).map(|grids| grids[level].get(cell));
                     if rules.contains(&Invariant::Accumulates) && before.is_some_and(|b| total.0[0] < b.0[0]) {
@@ -95,8 +92,10 @@ impl Watch {
                     }
                 }
                 let energy = source.energy();
+                // What follows is about the operators of a lattice.
+                let Some((most, rounding)) = self.gain.get(level).zip(self.rounding.get(level)) else { continue };
                 let before = self.energy.get(channel).map(|energies| energies[level]);
-                let gain = self.gain[level] + if self.copies_first && k == 1 { 1.0 } else { 0.0 };
+                let gain = most + if self.copies_first && k == 1 { 1.0 } else { 0.0 };
                 let tiny = f64::from(f32::MIN_POSITIVE) * gain.max(1.0) * energy_cells(source);
                 let too_much = |before: f64| energy > gain * before * (1.0 + SLACK) + tiny;
                 if rules.contains(&Invariant::Energy) && before.is_some_and(too_much) {
@@ -104,7 +103,7 @@ impl Watch {
                 }
                 let expected = wide.lights()[channel].source.level(level).energy();
                 // Consistent levels begin a step further for every level they are handed down.
-                let bound = (k + level + 2) as f64 * self.rounding[level] * expected;
+                let bound = (k + level + 2) as f64 * rounding * expected;
                 if rules.contains(&Invariant::Precision) && expected > FAINT && (energy - expected).abs() > bound {
                     return broken(Invariant::Precision, format!("{energy} is not {expected} within {bound}"));
                 }
@@ -118,23 +117,6 @@ impl Watch {
 
 fn energy_cells(grid: &Grid<f32>) -> f64 {
     grid.side().pow(3) as f64
-}
-
-/// The cells one step away from those given, and those themselves if light `stays`.
-fn one_step_further(lit: &[bool], n: usize, stays: bool) -> Vec<bool> {
-    let index = |[x, y, z]: Cell| (z * n + y) * n + x;
-    let mut further = if stays { lit.to_vec() } else { vec![false; lit.len()] };
-    for (i, _) in lit.iter().enumerate().filter(|(_, lit)| **lit) {
-        let cell = [i % n, i / n % n, i / (n * n)];
-        for d in Direction::ALL {
-            let mut to = cell;
-            let moved = if d.is_positive() { cell[d.axis()].checked_add(1) } else { cell[d.axis()].checked_sub(1) };
-            let Some(moved) = moved.filter(|c| *c < n) else { continue };
-            to[d.axis()] = moved;
-            further[index(to)] = true;
-        }
-    }
-    further
 }
 
 /// The most that an iteration multiplies energy by where all faces are clamped. A clamped iteration is
@@ -205,19 +187,6 @@ mod tests {
         fading.accumulated =
             simulation::<f32>(&case(9.0).0, &on).lights().iter().map(|l| l.accumulated.levels().to_vec()).collect();
         assert_eq!(broken(&mut fading, &narrow, &wide), Some(Invariant::Accumulates));
-    }
-
-    #[test]
-    fn a_step_leads_to_the_neighbours_inside() {
-        let n = 3;
-        let at = |x: usize, y: usize, z: usize| (z * n + y) * n + x;
-        let mut lit = vec![false; 27];
-        lit[at(0, 1, 2)] = true;
-        let found = one_step_further(&lit, n, false);
-        let expected = [at(1, 1, 2), at(0, 0, 2), at(0, 2, 2), at(0, 1, 1)];
-        assert_eq!((0..27).filter(|i| found[*i]).collect::<Vec<_>>().len(), expected.len());
-        assert!(expected.iter().all(|i| found[*i]));
-        assert!(one_step_further(&lit, n, true)[at(0, 1, 2)]);
     }
 
     #[test]
