@@ -66,7 +66,7 @@
 //! | 7 | [`study`] | questions put to simulations: errors, references, comparisons, benchmarks |
 //! | 6 | [`render`] | what a camera or a surface sees: camera, direct light, the truth |
 //! | 5 | [`simulation`] | the stepper: clear, inject, downsample, propagate once, merge |
-//! | 4 | [`transport`] | every way light travels: the schemes of the lattice, ordinates, straight lines |
+//! | 4 | [`transport`] | every way light travels: the schemes of the lattice, directions kept, straight lines |
 //! | 3 | [`scene`] | the preset document, injectors, occluders, cell files, and the problem they end in |
 //! | 2 | [`field`] | grids, octrees, the index volume |
 //! | 2 | [`mesh`] | triangles, materials, readers, rays |

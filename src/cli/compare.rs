@@ -37,7 +37,7 @@ pub struct CompareArgs {
     /// The presets: files, or names of built-in ones
     #[arg(required = true, value_name = "PRESET")]
     presets: Vec<PathBuf>,
-    /// The schemes, separated by commas; `ordinates` may be one [default: all that `lpv-lab schemes` lists]
+    /// The transports, separated by commas [default: all schemes that `lpv-lab schemes` lists]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     schemes: Vec<String>,
     /// What errors are measured against

@@ -12,7 +12,7 @@ use crate::scene::doubts::doubts;
 use crate::scene::preset::LONGEST;
 use crate::scene::propagation::Policy;
 use crate::scene::propagation::descent::{Descent, Inside};
-use crate::scene::propagation::ordinates::Rule;
+use crate::scene::propagation::directions::Rule;
 use crate::scene::{Preset, Problem, SceneError, builtin, file};
 use crate::simulation::Simulation;
 use crate::simulation::options::{Device, Options};

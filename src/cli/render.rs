@@ -36,7 +36,7 @@ const PATHS_A_PATCH: u64 = 512;
 
 /// What to look at, how, and where to write.
 #[derive(Args, Debug)]
-#[command(after_help = "Examples:\n  lpv-lab render cornell --scheme ordinates --out cornell\n  \
+#[command(after_help = "Examples:\n  lpv-lab render cornell --sampling occupied --out cornell\n  \
                         lpv-lab render cornell --truth --samples 1024 --out cornell\n\n\
                         Written to the folder: picture.png, picture.npy and picture.pfm (linear radiance, float32, row 0 at the\n\
                         top), direct.npy, indirect.npy; with --truth truth.png, truth.npy, truth_error.npy (one standard\n\

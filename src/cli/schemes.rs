@@ -7,14 +7,14 @@ use super::console::{self, say};
 use crate::report::table::{Table, Value};
 use crate::study::stability;
 use crate::transport::lattice::schemes;
+use crate::transport::{Kind, kinds};
 
 /// What to show.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  lpv-lab schemes\n  lpv-lab schemes --long\n\n\
                         Gains: what an iteration at factor 1 multiplies the mean and the direction of a uniform field by.\n\
                         Critical factors: above them light in an open volume of that size grows without bound.\n\
-                        The propagator `ordinates` is no scheme of this kind: it keeps the direction of light, p = 4 keeps all of it, and\n\
-                        there is no critical factor.")]
+                        The transports below the table are no schemes of the lattice: they are chosen alike, and have no critical factor.")]
 pub struct SchemesArgs {
     /// Tell also what each is, where it was published and what it gets wrong
     #[arg(long)]
@@ -39,10 +39,11 @@ pub fn run(args: &SchemesArgs) -> Result<(), CliError> {
         ]);
     }
     console::print(format_args!("{}", table.to_text()));
-    if args.long {
-        for scheme in schemes::all() {
-            say!("\n{}: {}", scheme.name, scheme.summary);
-            say!("  source: {}\n  flaws: {}", scheme.source, scheme.flaws);
+    let bounded = |kind: &&Kind| !kind.can.grows;
+    for kind in kinds().iter().filter(|kind| args.long || bounded(kind)) {
+        say!("\n{}: {}; p = {} keeps all", kind.name, kind.summary, kind.conserving);
+        if args.long {
+            say!("  source: {}\n  flaws: {}", kind.source, kind.flaws);
         }
     }
     Ok(())

@@ -1,7 +1,7 @@
 //! What a preset says of how light is propagated.
 
 pub mod descent;
-pub mod ordinates;
+pub mod directions;
 
 use std::fmt;
 
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::error::{Fault, Step};
 use super::value::not_negative;
 use descent::{Descent, Inside};
-use ordinates::{MOST_DIRECTIONS, Setting};
+use directions::{MOST_DIRECTIONS, Setting};
 
 /// The most iterations of one run.
 pub const MOST_ITERATIONS: usize = 1_000_000;

@@ -11,8 +11,8 @@ use crate::transport;
 use crate::transport::kind::Precision;
 use crate::transport::lattice::face::Direction;
 
-/// Light fainter than this is so near the smallest numbers that relative bounds mean nothing.
-const FAINT: f64 = 1e-20;
+/// Differences below this are what loops leave out that set to zero what is fainter than 1e-30.
+const FAINT: f64 = 1e-26;
 
 /// One of the 48 symmetries of the cube: coordinate a of the image is coordinate `order[a]`, flipped or not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,14 +83,14 @@ pub fn symmetry(straight: &Simulation<f64>, by: Symmetry, slack: f64) -> Result<
     Ok(())
 }
 
-/// [`Law::Superposition`](crate::transport::kind::Law): the light of all injected cells is the sum of that of one half of
-/// them and of the other, on the finest level, to `slack` times the brightest.
+/// [`Law::Superposition`](crate::transport::kind::Law): the light of all injected cells is the sum of that of the even
+/// ones and of the odd ones, on the finest level, to `slack` times the brightest.
 pub fn superposition(all: &Simulation<f64>, slack: f64) -> Result<(), String> {
     let half = |odd: usize| {
         let mut problem = all.problem().as_ref().clone();
         let take = |source: &Source| {
-            let light = source.light.iter().enumerate().filter(|(i, _)| i % 2 == odd);
-            Source { light: light.map(|(_, one)| *one).collect(), ..source.clone() }
+            let light = source.light.iter().filter(|(cell, _)| cell.iter().sum::<usize>() % 2 == odd);
+            Source { light: light.copied().collect(), ..source.clone() }
         };
         problem.sources = problem.sources.iter().map(take).collect();
         run(problem)
@@ -153,14 +153,16 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// Light is where it is.
+    /// Light is where it is. Where coarser levels only hold the mean of the finest, the law is about the finest.
     pub fn new<T: Real>(simulation: &Simulation<T>) -> Self {
+        let has_levels = transport::find(&simulation.problem().propagation.scheme).is_some_and(|kind| kind.can.levels);
+        let levels = if has_levels { simulation.sizes().count() } else { 1 };
         let lights = simulation.lights();
         let lit = |i: usize| {
             let layout = lights[0].source.level(i).layout();
             layout.cells().map(|cell| lights.iter().any(|l| !l.source.level(i).get(cell).is_zero())).collect()
         };
-        Reach { possible: (0..simulation.sizes().count()).map(lit).collect() }
+        Reach { possible: (0..levels).map(lit).collect() }
     }
 
     /// One iteration on: a step to a neighbour from every cell; with `stays`, light may also stay.
@@ -170,16 +172,11 @@ impl Reach {
         }
     }
 
-    /// For each cell of a level, x fastest, whether light can be in it.
-    pub fn of_level(&self, level: usize) -> &[bool] {
-        &self.possible[level]
-    }
-
     /// Whether no snapshot holds light where none can be.
     pub fn check<T: Real>(&self, simulation: &Simulation<T>) -> Result<(), String> {
         for (channel, light) in simulation.lights().iter().enumerate() {
-            for (level, source) in light.source.levels().iter().enumerate() {
-                let dark = source.iter().zip(&self.possible[level]).filter(|(_, possible)| !**possible);
+            for (level, (source, possible)) in light.source.levels().iter().zip(&self.possible).enumerate() {
+                let dark = source.iter().zip(possible).filter(|(_, possible)| !**possible);
                 if let Some(((cell, light), _)) = dark.into_iter().find(|((_, light), _)| !light.is_zero()) {
                     let k = simulation.iteration();
                     return Err(format!(
@@ -225,8 +222,8 @@ fn near<T: Real>(grid: &Grid<T>, off: impl Fn(Cell, Sh<T>) -> Sh<f64>, slack: f6
 where
     Sh<T>: Copy,
 {
-    let brightest = grid.iter().map(|(_, light)| light.widen().max_norm()).fold(FAINT, f64::max);
-    let far = |(cell, light): &(Cell, Sh<T>)| off(*cell, *light).max_norm() > slack * brightest;
+    let brightest = grid.iter().map(|(_, light)| light.widen().max_norm()).fold(0.0, f64::max);
+    let far = |(cell, light): &(Cell, Sh<T>)| off(*cell, *light).max_norm() > FAINT + slack * brightest;
     match grid.iter().find(far) {
         None => Ok(()),
         Some((cell, light)) => Err(format!("{cell:?} holds {light:?}, off by {:?}", off(cell, light))),

@@ -239,7 +239,7 @@ mod tests {
         problem.occlusion.mode = OcclusionMode::Hard;
         problem.solids = vec![Solid::new([6, 4, 4], DVec3::NEG_X, 1.0, [0.5, 0.0, 0.0])];
         let rows = measure("walled", &problem, 1, &|share| (0.0..=1.0).contains(&share)).unwrap().unwrap();
-        // The solver refuses occluders, the ordinates do not.
+        // The lattices' solver refuses occluders, the others' does not.
         assert!(rows.iter().all(|row| row.treatment != Treatment::Converged && row.preset == "walled"));
         assert!(rows.iter().any(|row| row.treatment == Treatment::Uniform && row.name().contains("faces")));
         assert_eq!(measure("walled", &problem, 1, &|share| share < 0.5).unwrap(), None);

@@ -31,7 +31,7 @@ use super::solve::{Found, NoFixedPoint, Solve};
 use super::team;
 use super::transmittance::Transmittance;
 use crate::field::Grid;
-use crate::scene::propagation::ordinates::{Lattice, Rule, Setting};
+use crate::scene::propagation::directions::{Lattice, Rule, Setting};
 use crate::scene::{Problem, Propagation};
 use crate::sh::Real;
 use beams::Beams;
@@ -49,12 +49,12 @@ pub fn kinds() -> Vec<Kind> {
         source: "discrete ordinates, by the donor cell rule or by where a beam leaves a cell",
         flaws: "with few directions light arrives in rays; beams widen as they cross cell borders; nothing is reflected",
         can: Capabilities { levels: false, occluders: true, clamp: false, grows: false },
-        conserving: 4.0,
+        conserving: CONSERVING,
         laws,
         check: |_| Ok(()),
         label,
         bytes: beams::bytes,
-        solver: |problem| Ok(Box::new(OneSweep::new(problem))),
+        solver: |problem| Ok(Box::new(OneSweep::new(problem)?)),
         tolerances: &[0.0],
         variants,
         single: Beams::build,
@@ -63,18 +63,23 @@ pub fn kinds() -> Vec<Kind> {
     }]
 }
 
-/// Both lattices of directions under both rules, with some 24 to 192 directions.
+/// The factor at which a snapshot is what was under way.
+const CONSERVING: f64 = 4.0;
+
+/// Both lattices of directions under both rules, with some 24 to 192 directions, and no light lost under way.
 fn variants(propagation: &Propagation) -> Vec<Propagation> {
     let sets = Lattice::ALL.into_iter().flat_map(|lattice| Rule::ALL.map(|rule| (lattice, rule)));
     let settings =
         sets.flat_map(|(lattice, rule)| [24, 48, 72, 128, 192].map(|directions| Setting { directions, rule, lattice }));
-    settings.map(|ordinates| Propagation { ordinates, ..propagation.clone() }).collect()
+    settings.map(|ordinates| Propagation { ordinates, factor: CONSERVING, ..propagation.clone() }).collect()
 }
 
 /// A spiral of directions has no symmetry of the cube.
 fn laws(propagation: &Propagation) -> Vec<Law> {
-    let mut laws =
-        vec![Law::FixedPoint, Law::Superposition, Law::Reach, Law::Conservation, Law::Shutters, Law::Precision];
+    let mut laws = vec![Law::Superposition, Law::Reach, Law::Conservation, Law::Shutters, Law::Precision];
+    if propagation.factor == CONSERVING {
+        laws.push(Law::FixedPoint);
+    }
     if propagation.ordinates.lattice == Lattice::Octahedral {
         laws.push(Law::Symmetry);
     }
@@ -196,12 +201,13 @@ struct OneSweep {
 }
 
 impl OneSweep {
-    fn new(problem: &Problem) -> Self {
-        OneSweep {
-            ordinates: Ordinates::of(&problem.propagation.ordinates),
-            room: Room::new(problem.size),
-            occluders: Transmittance::of(problem),
+    fn new(problem: &Problem) -> Result<Self, NoFixedPoint> {
+        let Propagation { factor, ordinates, .. } = &problem.propagation;
+        if *factor != CONSERVING {
+            return Err(NoFixedPoint::Thinned { factor: *factor, conserving: CONSERVING });
         }
+        let (room, occluders) = (Room::new(problem.size), Transmittance::of(problem));
+        Ok(OneSweep { ordinates: Ordinates::of(ordinates), room, occluders })
     }
 }
 

@@ -42,6 +42,16 @@ pub enum NoFixedPoint {
     /// Occluders are no part of the linear equation that is solved.
     #[error("the fixed point is solved for without occluders; iterate, or set occlusion to Off")]
     Occluders,
+    /// Every snapshot is thinned, which a sweep does not do.
+    #[error(
+        "one sweep finds all light at factor {conserving} alone, not at {factor}; iterate, or use --factor {conserving}"
+    )]
+    Thinned {
+        /// The factor asked for.
+        factor: f64,
+        /// The factor at which nothing is thinned.
+        conserving: f64,
+    },
     /// The clamp acts in every iteration.
     #[error(
         "scheme \"{scheme}\" clamps light in every iteration, so its fixed point solves no linear equation; iterate, or switch the clamp off"

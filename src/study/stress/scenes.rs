@@ -5,7 +5,6 @@ use crate::scene::Preset;
 use crate::scene::injector::{Injector, InjectorKind, Side};
 use crate::scene::occluder::{Axis, BlockingSign, Occluder, OccluderKind, Occlusion, OcclusionMode};
 use crate::scene::propagation::Policy;
-use crate::scene::propagation::ordinates::{Lattice, Rule, Setting};
 use crate::scene::propagation::{Propagation, Snapshots};
 use crate::study::random::Random;
 use crate::transport;
@@ -36,7 +35,8 @@ pub fn preset(random: &mut Random) -> Preset {
 }
 
 fn propagation(random: &mut Random) -> Propagation {
-    let schemes = transport::names();
+    let kinds = transport::kinds();
+    let kind = &kinds[random.below(kinds.len())];
     let factor = match random.below(8) {
         0 => 0.0,
         1 => 4.0,
@@ -44,26 +44,18 @@ fn propagation(random: &mut Random) -> Propagation {
         3 => 10f64.powf(random.between(-30.0, 300.0)),
         _ => random.between(0.0, 4.0),
     };
-    Propagation {
-        scheme: schemes[random.below(schemes.len())].to_owned(),
+    let propagation = Propagation {
+        scheme: kind.name.to_owned(),
         factor,
         iterations: 1 + random.below(40),
         snapshots: [Snapshots::Thesis, Snapshots::Thesis, Snapshots::CopyFirst, Snapshots::WithoutInjected]
             [random.below(4)],
         clamp: !random.once_in(4),
         levels: Policy::ALL[usize::from(random.once_in(3))],
-        ordinates: directions(random),
         ..Propagation::default()
-    }
-}
-
-/// Few, so that a scene takes no longer under them than under a scheme.
-fn directions(random: &mut Random) -> Setting {
-    Setting {
-        directions: 8 + random.below(32),
-        rule: Rule::ALL[random.below(Rule::ALL.len())],
-        lattice: Lattice::ALL[random.below(Lattice::ALL.len())],
-    }
+    };
+    let variants = (kind.variants)(&propagation);
+    variants[random.below(variants.len())].clone()
 }
 
 fn injector(random: &mut Random, size: usize) -> Injector {

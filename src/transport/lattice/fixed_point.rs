@@ -261,8 +261,6 @@ mod tests {
         walled.solids = vec![Solid::new([1; 3], DVec3::X, 1.0, [0.0; 3])];
         assert_eq!(refused(&walled), NoFixedPoint::Occluders);
         assert!(matches!(refused(&problem(16, "cascaded", 4.3, true)), NoFixedPoint::Diverges { .. }));
-        let directed = Propagation { scheme: "ordinates".to_owned(), ..Propagation::default() };
-        assert!(matches!(Solver::new(&directed, 8), Err(NoFixedPoint::NoScheme { .. })));
         assert!(matches!(refused(&problem(16, "nonsense", 3.0, true)), NoFixedPoint::Refused(_)));
         let stopped = solve(&problem(8, "cascaded", 3.0, true), 1e-4, |_| false);
         assert!(stopped.unwrap().is_none());

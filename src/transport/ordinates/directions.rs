@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use crate::scene::propagation::ordinates::Lattice;
+use crate::scene::propagation::directions::Lattice;
 use crate::sh::SPHERE;
 
 /// A direction and the solid angle that it stands for.

@@ -60,7 +60,7 @@ mod tests {
     use super::*;
     use crate::field::Grid;
     use crate::scene::Solid;
-    use crate::scene::propagation::ordinates::{Lattice, Rule};
+    use crate::scene::propagation::directions::{Lattice, Rule};
     use crate::sh::{K0, Sh};
     use crate::transport::ordinates::Ordinates;
     use crate::transport::transmittance::Transmittance;

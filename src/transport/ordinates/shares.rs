@@ -16,7 +16,7 @@
 
 use glam::DVec3;
 
-use crate::scene::propagation::ordinates::Rule;
+use crate::scene::propagation::directions::Rule;
 
 /// The shares of one direction, in the turned cell.
 #[derive(Clone, Copy, Debug, PartialEq)]

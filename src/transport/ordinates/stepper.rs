@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::{Group, LANES, Lanes, Octant, Ordinates};
 use crate::field::{Cell, Grid, Layout};
-use crate::scene::propagation::ordinates::Rule;
+use crate::scene::propagation::directions::Rule;
 use crate::sh::{K0, K1, Real, Sh};
 use crate::transport::transmittance::Transmittance;
 
@@ -199,7 +199,7 @@ fn arrive<T: Real>((octant, group): (&Octant<T>, &Group<T>), under_way: &[Came<T
 mod tests {
     use super::*;
     use crate::scene::Solid;
-    use crate::scene::propagation::ordinates::Lattice;
+    use crate::scene::propagation::directions::Lattice;
     use glam::DVec3;
 
     #[test]

@@ -10,7 +10,7 @@ use multiversion::multiversion;
 
 use super::{Group, LANES, Lanes, Octant};
 use crate::field::{Grid, Marks};
-use crate::scene::propagation::ordinates::Rule;
+use crate::scene::propagation::directions::Rule;
 use crate::sh::{K0, K1, Real, Sh};
 use crate::transport::lattice::kernel::FLOOR;
 use crate::transport::transmittance::Transmittance;

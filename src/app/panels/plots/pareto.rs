@@ -64,7 +64,7 @@ pub fn ui(ui: &mut Ui, session: &Session, theme: &Theme, asks: &mut Asks) {
     if rows.is_empty() {
         let text = "Measure runs every scheme with 1 to 32 iterations on the scene of this run (the finest level \
                     alone, one factor for all levels, and consistent levels), solves for its fixed point, and \
-                    sweeps with 24 to 200 ordinates.";
+                    what finds all light at once.";
         ui.weak(text);
         return;
     }

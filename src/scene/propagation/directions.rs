@@ -1,4 +1,4 @@
-//! What a preset says of its ordinates.
+//! What a preset says of the directions in which light travels, where a transport keeps them.
 
 use serde::{Deserialize, Serialize};
 
