@@ -14,7 +14,7 @@ mod nearest;
 use crate::field::{Cell, Layout, Marks};
 use crate::sh::Real;
 use crate::simulation::{Refusal, Simulation};
-use crate::study::light::Brightness;
+use crate::study::light::{self, Brightness};
 use crate::transport::kind::Precision;
 
 /// A share of the light of some cells, as it is seen and level by level.
@@ -65,14 +65,9 @@ impl Artefacts {
 
 /// Finest cells whose merged light is negative in any colour.
 pub fn negative<T: Real>(state: &Simulation<T>) -> usize {
-    let shares = state.channels().rgb();
-    let is_negative = |cell: &Cell| {
-        let level = state.index().index(*cell);
-        shares.iter().any(|share| {
-            let grid = state.lights()[share.channel].accumulated.level(level);
-            share.scale * grid.get(cell.map(|c| c >> level)).0[0].to_f64() < 0.0
-        })
-    };
+    let (shares, merged) = (state.channels().rgb(), light::sampled(state));
+    let is_negative =
+        |cell: &Cell| shares.iter().any(|share| share.scale * merged[share.channel].get(*cell).0[0].to_f64() < 0.0);
     Layout::new(state.sizes().finest()).cells().filter(is_negative).count()
 }
 
@@ -97,9 +92,14 @@ impl Region {
         Region { levels: all }
     }
 
-    /// The merged light of the finest cells.
-    fn merged<T: Real>(&self, state: &Simulation<T>, brightness: &Brightness) -> f64 {
-        self.cells(0).map(|cell| brightness.sample(state, cell)).sum()
+    /// What lies in the finest cells of the `merged` light, one number a cell, x fastest.
+    fn merged(&self, merged: &[f64]) -> f64 {
+        merged
+            .iter()
+            .zip(Layout::new(self.levels[0].side()).cells())
+            .filter(|(_, cell)| self.levels[0].get(*cell))
+            .map(|(light, _)| light)
+            .sum()
     }
 
     /// The accumulated light of a level; `None` where it has no cell of the region.

@@ -50,13 +50,14 @@ pub fn of<T: Precision>(state: &Simulation<T>) -> Result<Option<Jump>, Refusal> 
 /// The jumps of a state, `uniform` being the brightness of every finest cell as it ought to be, x fastest.
 fn between<T: Real>(state: &Simulation<T>, uniform: &[f64]) -> Jump {
     let n = state.sizes().finest();
-    let brightness = Brightness::new(state.channels());
+    let merged = Brightness::new(state.channels()).of_merged(state);
     let least = LEAST * uniform.iter().copied().fold(0.0, f64::max);
-    let ought = |[x, y, z]: Cell| uniform[(z * n + y) * n + x];
+    let at = |[x, y, z]: Cell| (z * n + y) * n + x;
+    let ought = |cell: Cell| uniform[at(cell)];
     let mut jump = Jump::default();
     let mut sum = 0.0;
     for pair in borders(state).filter(|pair| pair.iter().all(|cell| ought(*cell) > least)) {
-        let [here, there] = pair.map(|cell| brightness.sample(state, cell));
+        let [here, there] = pair.map(|cell| merged[at(cell)]);
         if here > 0.0 && there > 0.0 {
             sum += ((here / there).ln() - (ought(pair[0]) / ought(pair[1])).ln()).abs();
             jump.pairs += 1;
