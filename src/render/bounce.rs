@@ -29,7 +29,7 @@ use std::f64::consts::PI;
 use super::lamp::Lamp;
 use super::rgb::{Rgb, add, times};
 use super::sampler;
-use super::sequence::Stream;
+use super::sequence::{Points, Stream};
 use super::world::{Surface, World};
 
 /// How often light is reflected on its way.
@@ -53,6 +53,19 @@ impl Bounces {
             Bounces::UpTo(most) => bounce <= most,
             Bounces::All => true,
         }
+    }
+}
+
+/// Numbers for the first bounce, by sample. Of a place the light along the ray from the surface and that along the rays
+/// from the lights add up, so each pair is spread as evenly as two numbers can be, whatever the other one is.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct First(Points<2>);
+
+impl First {
+    /// Those of sample `i`, shifted by `shift`.
+    pub fn at(&self, [a, b, c, d]: [u64; 4], i: u64) -> [f64; 4] {
+        let ([u, v], [s, t]) = (self.0.at(&[a, b], i), self.0.at(&[c, d], i));
+        [u, v, s, t]
     }
 }
 

@@ -4,7 +4,7 @@
 //! [`super::surface`] has the same for surfaces, without a camera. Estimators: [`super::bounce`]; error bars and
 //! batches: [`super::estimate`].
 
-use super::bounce::{Bounces, indirect};
+use super::bounce::{Bounces, First, indirect};
 use super::estimate::{Estimates, Sample, Watch};
 use super::image::Image;
 use super::rgb::{Rgb, add};
@@ -116,12 +116,12 @@ struct Eye<'a> {
     view: View,
     bounces: Bounces,
     places: Points<2>,
-    paths: Points<4>,
+    paths: First,
 }
 
 impl<'a> Eye<'a> {
     fn new(world: &'a World, view: View, bounces: Bounces) -> Self {
-        Eye { world, view, bounces, places: Points::new(), paths: Points::new() }
+        Eye { world, view, bounces, places: Points::new(), paths: First::default() }
     }
 
     /// One place in a pixel, with the paths from there.
@@ -134,7 +134,7 @@ impl<'a> Eye<'a> {
         let [r, g, b_] = add(seen.emission, seen.reflects(self.world.direct(&seen)));
         let mut sum = [0.0; 3];
         for path in 0..PATHS as u64 {
-            let first = self.paths.at(&[a, b, c, d], number * PATHS as u64 + path);
+            let first = self.paths.at([a, b, c, d], number * PATHS as u64 + path);
             sum = add(sum, indirect(self.world, &seen, self.bounces, first, &mut more));
         }
         let [u, v, w] = seen.reflects(sum).map(|value| value / f64::from(PATHS));
