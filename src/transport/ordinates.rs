@@ -100,6 +100,8 @@ fn label(Propagation { scheme, ordinates: Setting { directions, rule, lattice },
 const LANES: usize = 8;
 /// A number for each of them.
 type Lanes<T> = [T; LANES];
+/// What comes into a cell by its near faces, or leaves it by the far ones, as the wind of a group blows.
+type Came<T> = [Lanes<T>; 3];
 /// Pieces that a sweep is cut into, of two octants each: always the same, so that the sum is too.
 const PIECES: usize = 4;
 

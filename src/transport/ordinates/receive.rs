@@ -18,31 +18,29 @@
 //! A slanted surface covers a part of a face in one cell and the rest in the next. What the second gets has come through
 //! the part o that the first leaves [open](Transmittance::open), so it is spread over o·s² and counts 1/o times.
 
-use super::stepper::{Came, Stepper};
-use super::{Group, LANES, Lanes};
+use super::{Came, Group, LANES, Lanes};
 use crate::field::Cell;
 use crate::scene::receiver::Receiver;
 use crate::sh::Real;
 use crate::transport::transmittance::Transmittance;
-use rayon::prelude::*;
 
 /// Receivers that a thread takes at once.
-const PIECE: usize = 256;
+pub(super) const PIECE: usize = 256;
 /// Of less of a face than this nothing is concluded.
 const LEAST_OPEN: f32 = 0.05;
 
 /// Receivers made ready.
 #[derive(Clone, Debug, Default)]
 pub struct Facing {
-    all: Vec<Face>,
+    pub(super) all: Vec<Face>,
     /// Their numbers by cell, and where those of each cell begin: the cells x fastest.
     order: Vec<u32>,
     starts: Vec<u32>,
 }
 
 #[derive(Clone, Debug)]
-struct Face {
-    cell: Cell,
+pub(super) struct Face {
+    pub cell: Cell,
     normal: [f64; 3],
     /// By octant of directions, for each axis what f_k/|u_k| counts: n_k²/o over the sum of n_k², 0 where no light comes
     /// from before the surface.
@@ -50,7 +48,7 @@ struct Face {
     /// By axis, whether light comes to it where it leaves the cell ([`Transmittance::at_exit`]).
     at_exit: [bool; 3],
     /// The number of its cell among those of sheets.
-    sheet: Option<usize>,
+    pub sheet: Option<usize>,
 }
 
 impl Facing {
@@ -131,7 +129,7 @@ impl Facing {
 impl Face {
     /// Its irradiance times a cell's side squared, by direction of a group.
     #[inline]
-    fn gets<T: Real>(&self, backwards: [bool; 3], group: &Group<T>, [came, left]: [&Came<T>; 2]) -> Lanes<T> {
+    pub fn gets<T: Real>(&self, backwards: [bool; 3], group: &Group<T>, [came, left]: [&Came<T>; 2]) -> Lanes<T> {
         let normal = self.normal.map(T::of);
         let shares = self.shares[octant(backwards)].map(|share| T::of(f64::from(share)));
         let mut sum = [T::ZERO; LANES];
@@ -157,22 +155,8 @@ fn octant(backwards: [bool; 3]) -> usize {
     backwards.into_iter().enumerate().map(|(k, backwards)| usize::from(backwards) << k).sum()
 }
 
-fn total<T: Real>(lanes: Lanes<T>) -> f64 {
+pub(super) fn total<T: Real>(lanes: Lanes<T>) -> f64 {
     lanes.iter().map(|lane| lane.to_f64()).sum()
-}
-
-impl<T: Real> Stepper<T> {
-    /// Adds to each receiver's number what came to it in the last step: its irradiance times a cell's side squared.
-    pub fn receive(&self, receivers: &Facing, received: &mut [f64]) {
-        let pieces = receivers.all.par_chunks(PIECE).zip(received.par_chunks_mut(PIECE));
-        pieces.for_each(|(faces, received)| {
-            for (face, received) in faces.iter().zip(received) {
-                let came = self.arrivals(face.cell, face.sheet);
-                let gets = |(backwards, group, came, left)| total(face.gets(backwards, group, [&came, &left]));
-                *received += came.map(gets).sum::<f64>();
-            }
-        });
-    }
 }
 
 #[cfg(test)]
@@ -183,6 +167,7 @@ mod tests {
     use crate::scene::propagation::directions::{Lattice, Rule};
     use crate::sh::{K0, Sh};
     use crate::transport::ordinates::Ordinates;
+    use crate::transport::ordinates::stepper::Stepper;
     use glam::DVec3;
 
     /// A cell's c00 of 1 at (3, 4, 3), and what surfaces receive of it in so many steps.

@@ -108,7 +108,7 @@ mod tests {
     use super::*;
     use crate::field::Grid;
     use crate::scene::occluder::OcclusionMode;
-    use crate::scene::propagation::ordinates::{Lattice, Rule};
+    use crate::scene::propagation::directions::{Lattice, Rule};
     use crate::scene::receiver::Receiver;
     use crate::scene::{Occlusion, Solid};
     use crate::sh::Sh;

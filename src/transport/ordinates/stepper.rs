@@ -4,10 +4,10 @@ use glam::DVec3;
 use multiversion::multiversion;
 use rayon::prelude::*;
 
-use super::receive::Facing;
+use super::receive::{self, Facing};
 use super::surfaces::{ByCell, Surfaces};
 use super::sweep::{Got, Sent};
-use super::{Group, LANES, Lanes, Octant, Ordinates, Room};
+use super::{Came, Group, LANES, Lanes, Octant, Ordinates, Room};
 use crate::field::{Cell, Grid, Layout};
 use crate::scene::propagation::directions::Rule;
 use crate::sh::{K0, K1, Real, Sh};
@@ -15,9 +15,6 @@ use crate::transport::transmittance::Transmittance;
 
 /// Pieces that the directions are cut into: always the same, so that the sum is too.
 const PIECES: usize = 4;
-
-/// What has come into a cell by its low faces, as the wind of a group blows.
-pub(super) type Came<T> = [Lanes<T>; 3];
 
 /// By axis whether a group goes backwards, the group, what came in and what was about to leave.
 pub(super) type Arrival<'a, T> = ([bool; 3], &'a Group<T>, Came<T>, Came<T>);
@@ -100,6 +97,19 @@ impl<T: Real> Stepper<T> {
             let left = sheet.map_or([[T::ZERO; LANES]; 3], |number| left[number]);
             (octant.backwards, group, came[(z * self.n + y) * self.n + x], left)
         })
+    }
+
+    /// Adds to each receiver's number what came to it in the last step: its irradiance times a cell's side squared.
+    pub fn receive(&self, receivers: &Facing, received: &mut [f64]) {
+        let pieces = receivers.all.par_chunks(receive::PIECE).zip(received.par_chunks_mut(receive::PIECE));
+        pieces.for_each(|(faces, received)| {
+            for (face, received) in faces.iter().zip(received) {
+                let gets = |(backwards, group, came, left): Arrival<'_, T>| {
+                    receive::total(face.gets(backwards, group, [&came, &left]))
+                };
+                *received += self.arrivals(face.cell, face.sheet).map(gets).sum::<f64>();
+            }
+        });
     }
 
     /// What the next step will send of lobes.

@@ -1,7 +1,6 @@
 //! Light of surfaces that is about to be sent: from which cells, and about which normals.
 
-use super::Group;
-use super::stepper::Came;
+use super::{Came, Group};
 
 /// The cosine to an axis below which a surface stands along it, and its light meets what stands across.
 const ALONGSIDE: f64 = 0.1;
