@@ -12,7 +12,7 @@
 
 use std::collections::HashMap;
 
-use crate::field::{Cell, Marks};
+use crate::field::Cell;
 use crate::scene::{Problem, Solid};
 use crate::sh::Real;
 
@@ -37,6 +37,8 @@ pub type Ways = [[f32; 3]; 2];
 const NONE: u32 = u32::MAX;
 /// The least share (squared) of what a surface covers across all axes by which it counts as crossing one: an angle of 10°.
 const CROSSES: f64 = 0.03;
+/// The cosine between the normals of one sheet's neighbouring cells.
+const ALIKE: f64 = 0.9;
 /// Less of a face than this counts as none: rounding of areas.
 const SHUT: f64 = 1e-6;
 
@@ -81,7 +83,7 @@ impl Transmittance {
     }
 
     /// Takes the cells of a sheet, z slowest and x fastest, for what they are.
-    fn adjoin(&mut self, sheet: &[&Solid]) {
+    fn adjoin<'a>(&mut self, sheet: &[&'a Solid]) {
         for solid in sheet {
             let [x, y, z] = solid.cell;
             self.numbers[(z * self.n + y) * self.n + x] = self.low.len() as u32;
@@ -92,23 +94,19 @@ impl Transmittance {
             squares[axis] > CROSSES * squares.iter().sum::<f64>()
         };
         for axis in 0..3 {
-            let mut crossed = Marks::new(self.n);
-            sheet.iter().filter(|solid| crosses(solid, axis)).for_each(|solid| crossed.set(solid.cell));
             for (way, step) in [-1, 1].into_iter().enumerate() {
                 // By column of cells along the axis, how much of its face the sheet has left open so far.
-                let mut left = vec![1.0f64; self.n * self.n];
-                let mut pass = |solid: &Solid| {
+                let mut left: Vec<(f64, Option<&Solid>)> = vec![(1.0, None); self.n * self.n];
+                let mut pass = |solid: &'a Solid| {
                     let cell = solid.cell;
-                    let before = cell[axis].checked_add_signed(step).filter(|at| *at < self.n);
-                    let goes_on = before.is_some_and(|at| {
-                        let mut last = cell;
-                        last[axis] = at;
-                        crossed.get(last)
-                    });
                     let column = &mut left[cell[(axis + 1) % 3] * self.n + cell[(axis + 2) % 3]];
-                    let open = if goes_on { *column } else { 1.0 };
-                    *column = (open - solid.opacity[axis]).max(0.0);
-                    let passed = if open > SHUT && *column > SHUT { *column / open } else { 0.0 };
+                    let goes_on = column.1.is_some_and(|last| {
+                        last.cell[axis].abs_diff(cell[axis]) == 1 && last.normal.dot(solid.normal) > ALIKE
+                    });
+                    let open = if goes_on { column.0 } else { 1.0 };
+                    let closed = (open - solid.opacity[axis]).max(0.0);
+                    *column = (closed, Some(solid));
+                    let passed = if open > SHUT && closed > SHUT { closed / open } else { 0.0 };
                     let at = (cell[2] * self.n + cell[1]) * self.n + cell[0];
                     self.passes[at][way][axis] = passed as f32;
                     if open < 1.0 {

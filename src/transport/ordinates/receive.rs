@@ -27,7 +27,7 @@ use crate::transport::transmittance::Transmittance;
 /// Receivers that a thread takes at once.
 pub(super) const PIECE: usize = 256;
 /// Of less of a face than this nothing is concluded.
-const LEAST_OPEN: f32 = 0.05;
+const LEAST_OPEN: f32 = 0.15;
 
 /// Receivers made ready.
 #[derive(Clone, Debug, Default)]
