@@ -13,10 +13,11 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::bounce::{Bounces, First, indirect};
-use super::estimate::{Estimates, Watch};
+use super::estimate::{BATCHES, Estimates, Sample, Watch};
 use super::rgb::{Rgb, add};
 use super::sampler;
 use super::sequence::Points;
+use super::sparks::Sparks;
 use super::world::World;
 use crate::field::Cell;
 use crate::mesh::{Bvh, Mesh, cut};
@@ -149,7 +150,8 @@ impl Lit {
         let sums: Vec<Vec<f64>> = patches.all().iter().map(sums).collect();
         let (places, first) = (Points::<6>::new(), First::default());
         let mut estimates = Estimates::new(patches.all().len(), 1);
-        let finished = estimates.add_all(samples, watch, |item, mut sample| {
+        let each = samples.div_ceil(u64::from(BATCHES)).max(1);
+        let of = |sparks: &Sparks, item: usize, mut sample: Sample| {
             let [.., u, v] = places.at(&sample.shift, sample.number);
             let [a, b, c, d, ..] = sample.shift;
             let numbers = first.at([a, b, c, d], sample.number);
@@ -159,10 +161,17 @@ impl Lit {
             let at = facet.corners.iter().zip(weights).map(|(corner, weight)| weight * *corner).sum();
             let surface = world.surface(facet.triangle, at, facet.normal);
             let [r, g, b_] = world.direct(&surface);
-            let [x, y, z] = indirect(world, &surface, bounces, numbers, &mut sample.more);
+            let [x, y, z] = indirect(world, sparks, &surface, bounces, numbers, &mut sample.more);
             [r, g, b_, x, y, z]
-        });
-        finished.then_some(Lit { estimates })
+        };
+        for batch in 0..BATCHES {
+            let share = |share: f64| watch((f64::from(batch) + share) / f64::from(BATCHES));
+            let sparks = Sparks::new(world, u64::from(batch));
+            if !estimates.add_batch(each, &share, |item, sample| of(&sparks, item, sample)) {
+                return None;
+            }
+        }
+        Some(Lit { estimates })
     }
 
     /// The irradiance of a patch by light that comes straight from the lamps.
