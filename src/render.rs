@@ -5,7 +5,8 @@
 //! - [`stage`]: a problem's mesh, lights and camera made ready, and what a run's light gives to its surfaces.
 //! - [`surface`]: patches of a surface, and what truly reaches them. [`cells`] and [`patch_light`]: what a volume says does.
 //! - [`seen`]: a picture of a scene whose reflected light somebody else knows.
-//! - [`truth`]: what light does in the scene itself, path traced ([`bounce`], [`estimate`], [`sampler`], [`sequence`]).
+//! - [`truth`]: what light does in the scene itself, path traced ([`bounce`], [`estimate`], [`sampler`], [`sequence`],
+//!   [`sparks`]).
 
 pub mod bounce;
 pub mod cells;
@@ -17,6 +18,7 @@ pub mod rgb;
 pub mod sampler;
 pub mod seen;
 pub mod sequence;
+pub mod sparks;
 pub mod stage;
 pub mod surface;
 pub mod truth;

@@ -28,13 +28,18 @@ pub use crate::transport::divergence::{Divergence, limit};
 pub use crate::transport::options;
 pub use crate::transport::{Light, Refusal};
 
-use crate::field::{Channels, Grid, IndexVolume, Levels, memory};
+use crate::field::{Channels, Grid, IndexVolume, Levels, Octree, memory};
 use crate::scene::Problem;
 use crate::scene::propagation::Snapshots;
 use crate::sh::Real;
 use crate::transport::kind::{Kind, Precision, Setup, Transport};
 use crate::transport::{self, State, refuse_what_does_not_fit};
 use options::{Device, Options, Wanted, Work};
+
+/// The part of all light under which the newest counts as nothing more ([`Simulation::settle`]).
+pub const SETTLED: f64 = 1e-4;
+/// The most iterations that are waited for that.
+pub const PATIENCE: usize = 2048;
 
 /// What the stepper can be told to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -315,6 +320,28 @@ impl<T: Real> Simulation<T> {
         self.act(Action::Merge);
         self.divergence = divergence;
         self.iteration()
+    }
+
+    /// Clear, inject, all the way that light goes, merge: at once where the transport can, else by iterations until the
+    /// newest light is at most [`SETTLED`] of all light, or [`PATIENCE`] of them. Returns whether it came to that; not
+    /// where the light diverges or `watch`, called after every iteration, does not want to go on.
+    pub fn settle(&mut self, mut watch: impl FnMut(&Self) -> bool) -> bool {
+        for action in [Action::Clear, Action::Inject, Action::Downsample] {
+            self.act(action);
+        }
+        let mut settled = self.transport.settle(&mut self.state);
+        let c00 = |of: fn(&Light<T>) -> &Octree<T>, all: &Self| {
+            all.lights().iter().map(|light| of(light).level(0).energy().abs()).sum::<f64>()
+        };
+        while !settled && self.iteration() < PATIENCE && watch(self) {
+            self.act(Action::Propagate);
+            if self.divergence.is_some() {
+                return false;
+            }
+            settled = c00(|light| &light.source, self) <= SETTLED * c00(|light| &light.accumulated, self);
+        }
+        self.act(Action::Merge);
+        settled
     }
 
     /// So many iterations with nobody looking in between; fewer if the tolerance is met or the light

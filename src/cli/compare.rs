@@ -12,6 +12,7 @@ use super::load::{DeviceArg, told};
 use super::numbers::{decimal, whole};
 use super::output::Folder;
 use super::{CliError, SceneArgs, course};
+use crate::report::number::plain;
 use crate::report::table::{Table, Value};
 use crate::scene::Problem;
 use crate::study::artefacts::{Artefacts, Shares};
@@ -25,7 +26,8 @@ use crate::transport::lattice::schemes;
 #[command(after_help = "Examples:\n  lpv-lab compare presets/two-walls.ron presets/pillar.ron --out results\n  \
                         lpv-lab compare one-lobe --schemes cascaded,axial --factor 4\n\n\
                         Errors compare the merged light with the reference: uniform is the same scheme on the finest level alone\n\
-                        (what the octree costs), ballistic what truly arrives along straight lines (what the scheme costs);\n\
+                        (what the octree costs), ballistic what truly arrives along straight lines (what the scheme costs), surface and\n\
+                        picture what truly reaches a mesh's surfaces and its camera after one bounce, path traced (what is seen);\n\
                         l1 fitted is after the scalar that fits best. Energy left is the newest snapshot over the injected light, shift\n\
                         and reach are in cells, leak is the light behind occluders over that there without them (1: they hold nothing\n\
                         back), bleeding the light behind its own source over that before it, jump the mean |ln| by which neighbours on\n\
@@ -113,15 +115,20 @@ pub fn run(args: &CompareArgs) -> Result<(), CliError> {
         );
         let references = course::references(&problem, &[expectation])?;
         let mut table = Table::new(TEXT_COLUMNS);
+        let mut noise = None;
         for name in &names {
             let Some(finding) = compare::run(&problem, name, expectation, &references, args.device.into())? else {
                 continue;
             };
             told(finding.not_there.clone());
+            noise = finding.error.traced.map(|traced| traced.noise).or(noise);
             table.push(text_row(&finding));
             csv.push(csv_row(&scene_args.stem(), &problem, expectation, &finding));
         }
         console::print(format_args!("{}", table.to_text()));
+        if let Some(noise) = noise {
+            say!("the truth's own error is {} of that ratio", plain(noise, 3));
+        }
     }
     if let Some(folder) = folder {
         folder.write_table("compare.csv", &csv)?;
@@ -170,7 +177,7 @@ fn text_row(finding: &Finding) -> [Value; 14] {
     ]
 }
 
-const CSV_COLUMNS: [&str; 28] = [
+const CSV_COLUMNS: [&str; 32] = [
     "preset",
     "scheme",
     "size",
@@ -199,9 +206,13 @@ const CSV_COLUMNS: [&str; 28] = [
     "back_bleeding_merged",
     "jump",
     "negative_cells",
+    "mean_ratio",
+    "correlation",
+    "flip",
+    "truth_noise",
 ];
 
-fn csv_row(preset: &str, problem: &Problem, expectation: Expectation, finding: &Finding) -> [Value; 28] {
+fn csv_row(preset: &str, problem: &Problem, expectation: Expectation, finding: &Finding) -> [Value; 32] {
     let [x, y, z] = finding.centroid;
     let error = finding.error;
     let empty = || Value::Text(String::new());
@@ -238,6 +249,10 @@ fn csv_row(preset: &str, problem: &Problem, expectation: Expectation, finding: &
         merged(back_bleeding),
         number(jump.map(|jump| jump.mean)),
         (*negative).into(),
+        number(error.traced.map(|traced| traced.mean_ratio)),
+        number(error.traced.and_then(|traced| traced.correlation)),
+        number(error.traced.and_then(|traced| traced.picture).map(|[_, _, flip]| flip)),
+        number(error.traced.map(|traced| traced.noise)),
     ]
 }
 

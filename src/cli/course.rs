@@ -28,7 +28,11 @@ pub struct Course {
 pub fn references(problem: &Problem, expectations: &[Expectation]) -> Result<References, CliError> {
     let mut references = References::default();
     for expectation in expectations {
-        let bar = bar(1000, "{bar:40} {percent} % of what truly arrives, {eta} left");
+        if expectation.needs_mesh() && problem.stage.is_none() {
+            let what = format!("there is no mesh to measure light against {}", expectation.against());
+            return Err(CliError::Input(format!("{what}; give the preset a `scene`, as cornell has")));
+        }
+        let bar = bar(1000, "{bar:40} {percent} % of what is expected, {eta} left");
         let progress = |done: f64| {
             bar.set_position((done * 1000.0) as u64);
             !interrupt::asked()

@@ -58,6 +58,10 @@ pub struct RenderArgs {
     /// What radiance is multiplied with for PNG [default: what shows 98 in 100 pixels]
     #[arg(long, value_name = "E", value_parser = decimal, allow_negative_numbers = true)]
     exposure: Option<f64>,
+    /// Let light go all its way, whatever the iterations: in one sweep where the transport can, else until the newest
+    /// is a ten-thousandth of all
+    #[arg(long)]
+    converged: bool,
     /// Trace the truth, too, and measure the difference
     #[arg(long)]
     truth: bool,
@@ -163,7 +167,11 @@ pub fn run(args: &RenderArgs) -> Result<(), CliError> {
     }
     let folder = Folder::of_preset(args.out.as_deref(), &args.scene.preset)?;
     let begin = Instant::now();
-    simulation.run(|_| !interrupt::asked());
+    if args.converged {
+        simulation.settle(|_| !interrupt::asked());
+    } else {
+        simulation.run(|_| !interrupt::asked());
+    }
     if let Some(divergence) = simulation.divergence() {
         return Err(divergence.into());
     }
@@ -195,11 +203,14 @@ pub fn run(args: &RenderArgs) -> Result<(), CliError> {
     write_image(&folder, "direct", &seen.direct, None)?;
     write_image(&folder, "indirect", &seen.indirect, None)?;
     let propagation = &simulation.problem().propagation;
+    let way = match simulation.iteration() {
+        0 if args.converged => "one sweep".to_owned(),
+        iterations => format!("{iterations} iterations"),
+    };
     say!(
-        "{}, p = {}, {} iterations in {:.3} s; {} × {} pixels in {:.3} s",
+        "{}, p = {}, {way} in {:.3} s; {} × {} pixels in {:.3} s",
         propagation.scheme,
         propagation.factor,
-        simulation.iteration(),
         travelled.as_secs_f64(),
         size[0],
         size[1],

@@ -58,6 +58,12 @@ pub struct RunArgs {
     /// Measure against what truly arrives along straight lines, too
     #[arg(long)]
     ballistic: bool,
+    /// Measure the light on a mesh's surfaces against what truly reaches them, path traced, too
+    #[arg(long)]
+    surface: bool,
+    /// Measure what the scene's camera sees against the path-traced picture, too
+    #[arg(long)]
+    picture: bool,
     /// Stop once all light still to come is proved to be at most this part of the accumulated light
     #[arg(long, value_name = "PART")]
     tolerance: Option<f64>,
@@ -132,9 +138,21 @@ impl RunArgs {
             glyphs: ScaleArg::Log,
             theme: ThemeArg::Light,
             ballistic: false,
+            surface: false,
+            picture: false,
             tolerance: None,
             no_skip: Vec::new(),
         }
+    }
+
+    /// What the light is held against beside what costs nothing.
+    fn wanted(&self) -> Vec<Expectation> {
+        let asked = [
+            (self.ballistic, Expectation::Ballistic),
+            (self.surface, Expectation::Surface),
+            (self.picture, Expectation::Picture),
+        ];
+        asked.into_iter().filter(|(asked, _)| *asked).map(|(_, expectation)| expectation).collect()
     }
 
     fn options(&self) -> Result<Options, CliError> {
@@ -206,6 +224,8 @@ struct Summary<'a> {
 /// Does the command.
 pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let (preset, problem) = args.scene.load()?;
+    let wanted = args.wanted();
+    let problem = wanted.iter().fold(problem, |problem, expectation| expectation.prepared(problem));
     let plane = plane(args.slice, problem.size, |axis| problem.brightest_slab(axis))?;
     if let Some(warning) = outlook::warning(&problem) {
         remark!("warning: {warning}");
@@ -223,12 +243,14 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     }
     let folder = Folder::of_preset(args.out.as_deref(), &args.scene.preset)?;
     interrupt::listen();
-    let wanted: &[Expectation] = if args.ballistic { &[Expectation::Ballistic] } else { &[] };
-    let references = course::references(simulation.problem(), wanted)?;
+    let references = course::references(simulation.problem(), &wanted)?;
     let Course { rows, seconds, interrupted } = course::run(&mut simulation, &references)?;
 
     let title = if preset.title.is_empty() { args.scene.stem() } else { preset.title.clone() };
     folder.write_table("errors.csv", &table::errors(&rows))?;
+    if rows.iter().any(|row| row.traced.is_some()) {
+        folder.write_table("truth.csv", &table::traced(&rows))?;
+    }
     let all_levels: Vec<ErrorRow> = rows.iter().filter(|row| row.level.is_none()).copied().collect();
     let plot = ErrorFigure {
         title: &format!("{title}: error after each iteration"),
@@ -298,6 +320,9 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     if let Some(bound) = simulation.still_to_come() {
         say!("light still to come: at most {bound:.2e} of what has been accumulated");
     }
+    for line in rows.iter().filter(|row| row.iteration == simulation.iteration()).filter_map(traced_line) {
+        say!("{line}");
+    }
     for line in artefact_lines(&artefacts) {
         say!("{line}");
     }
@@ -313,6 +338,28 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         return Err(CliError::Interrupted(what));
     }
     Ok(())
+}
+
+/// How far the light is from a path-traced truth, in a line.
+fn traced_line(row: &ErrorRow) -> Option<String> {
+    let traced = row.traced?;
+    let number = |value: f64| plain(value, 3);
+    let more = match (traced.correlation, traced.picture) {
+        (Some(correlation), _) => format!(", correlation {}", number(correlation)),
+        (_, Some([rmse, rel_mse, flip])) => {
+            format!(", RMSE {}, relMSE {}, FLIP {}", number(rmse), number(rel_mse), number(flip))
+        }
+        _ => String::new(),
+    };
+    Some(format!(
+        "{} against {}: mean ratio {}, L1 {}, fitted {}{more} (the truth's own error {})",
+        row.expectation,
+        row.expectation.against(),
+        number(traced.mean_ratio),
+        number(row.l1_ratio),
+        row.l1_best_fit.map_or_else(|| "-".to_owned(), number),
+        number(traced.noise)
+    ))
 }
 
 /// What went wrong with the light, a line for each kind.

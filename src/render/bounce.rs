@@ -20,16 +20,16 @@
 //! f/(p + q) = B·g/(g/π + r²·q)
 //! ```
 //!
-//! it is at most πB wherever the points lie, so corners make no bright specks. Light of more bounces comes along the
+//! it is at most πB wherever the points lie, so corners make no bright specks. Rays from lamps are those of [`Sparks`]. Light of more bounces comes along the
 //! cosine-distributed ray, times the albedo of what it meets: E_N(x) = E₁(x) + ρ(y)·E_(N−1)(y), in the mean over y.
 //! From the third bounce on a path goes on with the probability of its greatest throughput, and weighs as much more.
 
 use std::f64::consts::PI;
 
-use super::lamp::Lamp;
 use super::rgb::{Rgb, add, times};
 use super::sampler;
-use super::sequence::Stream;
+use super::sequence::{Points, Stream};
+use super::sparks::{Spark, Sparks};
 use super::world::{Surface, World};
 
 /// How often light is reflected on its way.
@@ -41,6 +41,10 @@ pub enum Bounces {
     All,
 }
 
+/// Lit places of which one is chosen.
+const CANDIDATES: usize = 8;
+/// The golden ratio's part behind the point.
+const GOLDEN: f64 = 0.618_033_988_749_894_8;
 /// The bounce from which on paths may end by chance.
 const ROULETTE_FROM: u32 = 3;
 /// The most that a path goes on by, so that none goes on for ever where surfaces absorb nothing.
@@ -56,10 +60,30 @@ impl Bounces {
     }
 }
 
+/// Numbers for the first bounce, by sample. Of a place the light along the ray from the surface and that along the rays
+/// from the lights add up, so each pair is spread as evenly as two numbers can be, whatever the other one is.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct First(Points<2>);
+
+impl First {
+    /// Those of sample `i`, shifted by `shift`.
+    pub fn at(&self, [a, b, c, d]: [u64; 4], i: u64) -> [f64; 4] {
+        let ([u, v], [s, t]) = (self.0.at(&[a, b], i), self.0.at(&[c, d], i));
+        [u, v, s, t]
+    }
+}
+
 /// One sample of the irradiance [W/m²] that a surface gets after one bounce and more. `first` are even numbers for the
 /// first bounce, two for the ray from the surface and two for those from the lights; later ones take theirs from
 /// `later`.
-pub fn indirect(world: &World, surface: &Surface, bounces: Bounces, first: [f64; 4], later: &mut Stream) -> Rgb {
+pub fn indirect(
+    world: &World,
+    sparks: &Sparks,
+    surface: &Surface,
+    bounces: Bounces,
+    first: [f64; 4],
+    later: &mut Stream,
+) -> Rgb {
     let (mut sum, mut weight) = ([0.0; 3], [1.0; 3]);
     let (mut at, mut numbers) = (*surface, first);
     for bounce in 1.. {
@@ -73,7 +97,7 @@ pub fn indirect(world: &World, surface: &Surface, bounces: Bounces, first: [f64;
             }
             weight = weight.map(|w| w / goes_on);
         }
-        let (one, next) = one_bounce(world, &at, numbers);
+        let (one, next) = one_bounce(world, sparks, &at, numbers, later);
         sum = add(sum, times(weight, one));
         let Some(next) = next else { break };
         weight = times(weight, next.albedo);
@@ -84,7 +108,13 @@ pub fn indirect(world: &World, surface: &Surface, bounces: Bounces, first: [f64;
 }
 
 /// One sample of E₁, and the surface that the cosine-distributed ray met.
-fn one_bounce(world: &World, at: &Surface, [u, v, s, t]: [f64; 4]) -> (Rgb, Option<Surface>) {
+fn one_bounce(
+    world: &World,
+    sparks: &Sparks,
+    at: &Surface,
+    [u, v, s, t]: [f64; 4],
+    later: &mut Stream,
+) -> (Rgb, Option<Surface>) {
     let mut sum = [0.0; 3];
     let next = world.meet(at.at, sampler::cosine(at.normal, [u, v]));
     if let Some(met) = &next {
@@ -99,8 +129,8 @@ fn one_bounce(world: &World, at: &Surface, [u, v, s, t]: [f64; 4]) -> (Rgb, Opti
             sum = add(sum, pair.counts(met.emission, world.emitting_density()));
         }
     }
-    for lamp in world.lamps() {
-        sum = add(sum, from_lamp(world, at, lamp, [s, t]));
+    for lamp in 0..world.lamps().len() {
+        sum = add(sum, from_lamp(world, sparks, at, lamp, [s, t], later.unit()));
     }
     if let Some(emitting) = world.emitting(at.at, [s, t]).filter(|emitting| world.see_each_other(at, emitting)) {
         sum = add(sum, Pair::new(at, &emitting).counts(emitting.emission, world.emitting_density()));
@@ -108,14 +138,36 @@ fn one_bounce(world: &World, at: &Surface, [u, v, s, t]: [f64; 4]) -> (Rgb, Opti
     (sum, next)
 }
 
-/// The sample that begins with a ray from the lamp.
-fn from_lamp(world: &World, at: &Surface, lamp: &Lamp, numbers: [f64; 2]) -> Rgb {
-    let (from, way) = lamp.ray(numbers);
-    let Some(lit) = world.meet(from, way).filter(|lit| world.see_each_other(at, lit)) else { return [0.0; 3] };
-    let ray = lamp.light(lit.at);
-    let cosine = ray.to_light.dot(lit.normal).max(0.0);
-    let radiance = lit.reflects(ray.across.map(|e| e * cosine));
-    Pair::new(at, &lit).counts(radiance, lamp.density(lit.at, lit.normal))
+/// The sample that begins with a ray from the lamp: of several lit places one, by how much each would count if nothing
+/// stood between, so that only that one costs a ray (resampling; Talbot 2005).
+fn from_lamp(world: &World, sparks: &Sparks, at: &Surface, lamp: usize, [s, t]: [f64; 2], choice: f64) -> Rgb {
+    let mut kept: Option<(&Spark, Rgb, f64)> = None;
+    let (mut sum, mut choice) = (0.0, choice);
+    for i in 0..CANDIDATES {
+        // Shifts of an even set are even.
+        let numbers = [(s + i as f64 / CANDIDATES as f64).fract(), (t + i as f64 * GOLDEN).fract()];
+        let Some(spark) = sparks.at(lamp, numbers) else { continue };
+        let counts = Pair::new(at, &spark.lit).counts(spark.radiance, spark.density);
+        let weight: f64 = counts.iter().sum();
+        if weight <= 0.0 {
+            continue;
+        }
+        // One pass: the newest takes the place of the kept one by its part of the sum, and the number is even again.
+        sum += weight;
+        let part = weight / sum;
+        if choice < part {
+            kept = Some((spark, counts, weight));
+            choice /= part;
+        } else {
+            choice = (choice - part) / (1.0 - part);
+        }
+    }
+    match kept {
+        Some((spark, counts, weight)) if world.see_each_other(at, &spark.lit) => {
+            counts.map(|value| value * sum / (weight * CANDIDATES as f64))
+        }
+        _ => [0.0; 3],
+    }
 }
 
 /// Two places that see each other.

@@ -15,7 +15,7 @@ use glam::DVec3;
 use super::rgb::Rgb;
 use crate::field::{Cell, Channels, Grid, Marks};
 use crate::scene::placement::Placement;
-use crate::sh::Sh;
+use crate::sh::{Real, Sh};
 
 /// The mean area of a unit cube across a direction.
 const ACROSS: f64 = 1.5;
@@ -59,9 +59,9 @@ impl Sampling {
 
 /// The light of a volume, ready to be sampled: a level of the accumulated light, or the merged light.
 #[derive(Clone, Copy, Debug)]
-pub struct Cells<'a> {
+pub struct Cells<'a, T = f32> {
     /// Each channel's light, of side n/2^i.
-    pub grids: &'a [&'a Grid<f32>],
+    pub grids: &'a [&'a Grid<T>],
     /// How colours come from the channels.
     pub channels: &'a Channels,
     /// Where the finest cells lie.
@@ -72,18 +72,18 @@ pub struct Cells<'a> {
     pub sampling: Sampling,
 }
 
-impl Cells<'_> {
+impl<T: Real> Cells<'_, T> {
     /// The irradiance [W/m²] of a surface at `at` with unit normal `normal`; none beyond the volume.
     pub fn irradiance(&self, at: DVec3, normal: DVec3) -> Rgb {
         let lobe = Sh::<f64>::lobe(-normal);
         let scale = 1.0 / (ACROSS * self.placement.cell_side * self.placement.cell_side);
-        let by_channel = |grid: &&Grid<f32>| (self.sample(grid, at, normal).dot(lobe) * scale).max(0.0);
+        let by_channel = |grid: &&Grid<T>| (self.sample(grid, at, normal).dot(lobe) * scale).max(0.0);
         let mut channels = [0.0; 3];
         self.grids.iter().zip(&mut channels).for_each(|(grid, e)| *e = by_channel(grid));
         self.channels.rgb().map(|share| share.scale * channels[share.channel])
     }
 
-    fn sample(&self, grid: &Grid<f32>, at: DVec3, normal: DVec3) -> Sh<f64> {
+    fn sample(&self, grid: &Grid<T>, at: DVec3, normal: DVec3) -> Sh<f64> {
         let coarse = grid.side() as f64 / self.placement.size as f64;
         let place = |metres: DVec3| self.placement.in_cells(metres) * coarse;
         let along = |cells: f64| place(at) + cells * normal;
@@ -113,7 +113,7 @@ impl Cells<'_> {
 }
 
 /// The light of the cell that holds a place, in cells; a place on the volume's upper border is in the last one.
-fn nearest(grid: &Grid<f32>, place: DVec3) -> Sh<f64> {
+fn nearest<T: Real>(grid: &Grid<T>, place: DVec3) -> Sh<f64> {
     cell_of(place, grid.side()).map_or(Sh::ZERO, |cell| grid.get(cell).widen())
 }
 
@@ -126,7 +126,7 @@ pub fn cell_of(place: DVec3, side: usize) -> Option<Cell> {
 }
 
 /// Between the middles of the eight nearest cells that count; beyond the outermost middles light goes on as it is.
-fn trilinear(grid: &Grid<f32>, place: DVec3, counts: impl Fn(Cell) -> bool) -> Sh<f64> {
+fn trilinear<T: Real>(grid: &Grid<T>, place: DVec3, counts: impl Fn(Cell) -> bool) -> Sh<f64> {
     let side = grid.side();
     if cell_of(place, side).is_none() {
         return Sh::ZERO;

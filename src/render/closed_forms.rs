@@ -8,6 +8,7 @@ use super::bounce::{Bounces, indirect};
 use super::estimate::Estimates;
 use super::lamp::Lamp;
 use super::sequence::Points;
+use super::sparks::Sparks;
 use super::world::World;
 use crate::mesh::{Bvh, Material, Mesh};
 
@@ -45,6 +46,7 @@ fn room(albedo: f64) -> Vec<Sheet> {
 /// The mean irradiance over one side of triangles, weighted by their areas, with its standard deviation.
 fn mean(world: &World, sides: &[(usize, DVec3)], bounces: Bounces, samples: u64) -> [f64; 2] {
     let mesh = world.mesh();
+    let sparks = Sparks::new(world, 0);
     let mut estimates = Estimates::<1>::new(sides.len(), 1);
     let finished = estimates.add_all(samples, &|_| true, |item, mut sample| {
         let [a, b, c, d, u, v] = Points::<6>::new().at(&sample.shift, sample.number);
@@ -52,7 +54,7 @@ fn mean(world: &World, sides: &[(usize, DVec3)], bounces: Bounces, samples: u64)
         let corners = mesh.corners(triangle);
         let at = corners.iter().zip(super::sampler::triangle([u, v])).map(|(corner, weight)| weight * *corner).sum();
         let surface = world.surface(triangle, at, normal);
-        [indirect(world, &surface, bounces, [a, b, c, d], &mut sample.more)[0]]
+        [indirect(world, &sparks, &surface, bounces, [a, b, c, d], &mut sample.more)[0]]
     });
     assert!(finished);
     let area: f64 = sides.iter().map(|(triangle, _)| mesh.area(*triangle)).sum();

@@ -1,6 +1,6 @@
 //! A problem's mesh, lights and camera as rays want them, and what a run's light gives to its surfaces.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 
@@ -11,17 +11,18 @@ use super::rgb::Rgb;
 use super::surface::{Patch, Patches};
 use super::view::View;
 use super::world::World;
-use crate::field::{Channels, Grid, Marks};
+use crate::field::{Channels, Grid, Marks, Share};
 use crate::scene::mesh_scene::{Light, LightKind};
 use crate::scene::receiver::Receiver;
 use crate::scene::{Problem, Stage};
+use crate::sh::Real;
 use crate::simulation::Simulation;
 
 /// A mesh in its volume with its lights, ready for rays.
 #[derive(Debug)]
 pub struct Set<'a> {
     stage: &'a Stage,
-    patches: OnceLock<Patches>,
+    patches: OnceLock<Arc<Patches>>,
     occupied: Marks,
 }
 
@@ -31,6 +32,11 @@ impl<'a> Set<'a> {
         let mut occupied = Marks::new(stage.placement.size);
         stage.voxels.solids.iter().for_each(|solid| occupied.set(solid.cell));
         Set { stage, patches: OnceLock::new(), occupied }
+    }
+
+    /// The set of a stage whose patches are there already.
+    pub fn with_patches(stage: &'a Stage, patches: Arc<Patches>) -> Self {
+        Set { patches: OnceLock::from(patches), ..Set::new(stage) }
     }
 
     /// What its camera sees in a picture of so many pixels across and down; `None` where it sees nothing.
@@ -49,9 +55,9 @@ impl<'a> Set<'a> {
     }
 
     /// The patches of its surface, made when first asked for.
-    pub fn patches(&self) -> &Patches {
+    pub fn patches(&self) -> &Arc<Patches> {
         let model = &self.stage.model;
-        self.patches.get_or_init(|| Patches::new(&model.mesh, &model.bvh, &self.stage.placement))
+        self.patches.get_or_init(|| Arc::new(Patches::new(&model.mesh, &model.bvh, &self.stage.placement)))
     }
 
     /// The problem with everything in it that tells surfaces what they receive.
@@ -80,37 +86,52 @@ fn lamp(light: &Light, middle: DVec3, radius: f64) -> Option<Lamp> {
 
 /// What the light of a run gives to surfaces.
 #[derive(Debug)]
-pub struct Received<'a> {
+pub struct Received<'a, T = f32> {
     set: &'a Set<'a>,
-    kind: Kind<'a>,
+    kind: Kind<'a, T>,
 }
 
 #[derive(Debug)]
-enum Kind<'a> {
+enum Kind<'a, T> {
     /// Taken from cells.
-    Cells { grids: Vec<&'a Grid<f32>>, channels: &'a Channels, sampling: Sampling },
+    Cells { grids: Vec<&'a Grid<T>>, channels: &'a Channels, sampling: Sampling },
     /// Known by patches.
     Patches(PatchLight<'a>),
 }
 
-impl<'a> Received<'a> {
+impl<'a, T: Real> Received<'a, T> {
     /// The light of a level, or the merged light, of a run of this set's problem. A transport that keeps directions
     /// tells what patches receive whatever level is asked for; any sampling but the nearest is then a smooth one.
-    pub fn of(set: &'a Set<'a>, simulation: &'a Simulation<f32>, level: Option<usize>, sampling: Sampling) -> Self {
-        if let Some(received) = simulation.received() {
-            let s2 = set.stage.placement.cell_side.powi(2);
-            let of = |i: usize| simulation.channels().rgb().map(|share| share.scale * received[share.channel][i] / s2);
-            let irradiance = (0..set.patches().all().len()).map(of).collect();
-            let smooth = sampling != Sampling::Nearest;
-            let light = PatchLight::new(set.patches(), &set.stage.placement, irradiance, smooth);
-            return Received { set, kind: Kind::Patches(light) };
-        }
+    pub fn of(set: &'a Set<'a>, simulation: &'a Simulation<T>, level: Option<usize>, sampling: Sampling) -> Self {
         let lights = simulation.lights().iter();
         let grids = lights.map(|light| match level {
             Some(i) => light.accumulated.level(i),
             None => light.merged.as_ref().unwrap_or(light.accumulated.level(0)),
         });
-        let kind = Kind::Cells { grids: grids.collect(), channels: simulation.channels(), sampling };
+        Received::of_grids(set, simulation, grids.collect(), sampling)
+    }
+
+    /// The same where `grids` are each channel's light, wherever they come from.
+    pub fn of_grids(
+        set: &'a Set<'a>,
+        simulation: &'a Simulation<T>,
+        grids: Vec<&'a Grid<T>>,
+        sampling: Sampling,
+    ) -> Self {
+        let kind = match simulation.received() {
+            Some(received) => {
+                let s2 = set.stage.placement.cell_side.powi(2);
+                let of = |share: Share, i: usize| {
+                    let channel = received[share.channel].get(i).copied().unwrap_or_default();
+                    share.scale * channel / s2
+                };
+                let rgb = simulation.channels().rgb();
+                let irradiance = (0..set.patches().all().len()).map(|i| rgb.map(|share| of(share, i))).collect();
+                let smooth = sampling != Sampling::Nearest;
+                Kind::Patches(PatchLight::new(set.patches(), &set.stage.placement, irradiance, smooth))
+            }
+            None => Kind::Cells { grids, channels: simulation.channels(), sampling },
+        };
         Received { set, kind }
     }
 

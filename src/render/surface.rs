@@ -3,7 +3,8 @@
 //! A [`Patch`] is what of a mesh's surface lies in one cell and looks one way: the parts of its triangles there whose
 //! normals are within 20° of each other, one side. A sheet gives a patch for each of its sides. A side that faces
 //! another surface nearer than a cell's side has no cell before it that could hold its light (the inside of a thin
-//! slab); such sides are left out, and [`Patches::left_out`] tells how much that is.
+//! slab), nor has one that faces out of the volume (the outside of a room that fills it); such sides are left out, and
+//! [`Patches::left_out`] tells how much that is.
 //!
 //! [`Lit`] is the irradiance of every patch, path traced: independent of any view, and the reference of a scene.
 
@@ -11,11 +12,12 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::bounce::{Bounces, indirect};
-use super::estimate::{Estimates, Watch};
+use super::bounce::{Bounces, First, indirect};
+use super::estimate::{BATCHES, Estimates, Sample, Watch};
 use super::rgb::{Rgb, add};
 use super::sampler;
 use super::sequence::Points;
+use super::sparks::Sparks;
 use super::world::World;
 use crate::field::Cell;
 use crate::mesh::{Bvh, Mesh, cut};
@@ -76,7 +78,8 @@ impl Patches {
             let front = mesh.normal(part.triangle);
             for normal in [front, -front] {
                 let area = part.area * side * side;
-                if bvh.blocked(middle, normal, side) {
+                let faces_out = placement.cell_of(middle + 0.5 * side * normal).is_none();
+                if faces_out || bvh.blocked(middle, normal, side) {
                     left_out += area;
                     continue;
                 }
@@ -111,7 +114,7 @@ impl Patches {
         &self.patches
     }
 
-    /// The share of the area of all sides that faces another surface too closely, 0 to 1.
+    /// The share of the area of all sides that faces another surface too closely, or out of the volume, 0 to 1.
     pub fn left_out(&self) -> f64 {
         self.left_out
     }
@@ -145,20 +148,30 @@ impl Lit {
             running.collect()
         };
         let sums: Vec<Vec<f64>> = patches.all().iter().map(sums).collect();
-        let points = Points::<6>::new();
+        let (places, first) = (Points::<6>::new(), First::default());
         let mut estimates = Estimates::new(patches.all().len(), 1);
-        let finished = estimates.add_all(samples, watch, |item, mut sample| {
-            let [a, b, c, d, u, v] = points.at(&sample.shift, sample.number);
+        let each = samples.div_ceil(u64::from(BATCHES)).max(1);
+        let of = |sparks: &Sparks, item: usize, mut sample: Sample| {
+            let [.., u, v] = places.at(&sample.shift, sample.number);
+            let [a, b, c, d, ..] = sample.shift;
+            let numbers = first.at([a, b, c, d], sample.number);
             let (i, u) = sampler::choose(&sums[item], u);
             let facet = &patches.all()[item].facets[i];
             let weights = sampler::triangle([u, v]);
             let at = facet.corners.iter().zip(weights).map(|(corner, weight)| weight * *corner).sum();
             let surface = world.surface(facet.triangle, at, facet.normal);
             let [r, g, b_] = world.direct(&surface);
-            let [x, y, z] = indirect(world, &surface, bounces, [a, b, c, d], &mut sample.more);
+            let [x, y, z] = indirect(world, sparks, &surface, bounces, numbers, &mut sample.more);
             [r, g, b_, x, y, z]
-        });
-        finished.then_some(Lit { estimates })
+        };
+        for batch in 0..BATCHES {
+            let share = |share: f64| watch((f64::from(batch) + share) / f64::from(BATCHES));
+            let sparks = Sparks::new(world, u64::from(batch));
+            if !estimates.add_batch(each, &share, |item, sample| of(&sparks, item, sample)) {
+                return None;
+            }
+        }
+        Some(Lit { estimates })
     }
 
     /// The irradiance of a patch by light that comes straight from the lamps.
@@ -231,6 +244,15 @@ mod tests {
         // The outer sides remain: the upper one's above, the lower one's below.
         let outer = |patch: &Patch| patch.facets.iter().all(|facet| (facet.middle().y > 1.4) == (facet.normal.y > 0.0));
         assert!(patches.all().iter().all(outer));
+    }
+
+    #[test]
+    fn a_side_that_faces_out_of_the_volume_is_left_out() {
+        for (height, inwards) in [(0.1, DVec3::Y), (3.9, DVec3::NEG_Y)] {
+            let patches = patches(&floors(&[height]));
+            assert!(patches.all().len() == 16 && patches.all().iter().all(|patch| patch.normal == inwards), "{height}");
+            assert!((patches.left_out() - 0.5).abs() < 1e-12);
+        }
     }
 
     #[test]

@@ -4,11 +4,12 @@
 //! [`super::surface`] has the same for surfaces, without a camera. Estimators: [`super::bounce`]; error bars and
 //! batches: [`super::estimate`].
 
-use super::bounce::{Bounces, indirect};
-use super::estimate::{Estimates, Sample, Watch};
+use super::bounce::{Bounces, First, indirect};
+use super::estimate::{BATCHES, Estimates, Sample, Watch};
 use super::image::Image;
 use super::rgb::{Rgb, add};
 use super::sequence::Points;
+use super::sparks::Sparks;
 use super::view::View;
 use super::world::World;
 
@@ -35,14 +36,18 @@ impl Truth {
     /// ended it.
     pub fn traced(world: &World, view: View, bounces: Bounces, samples: u64, watch: Watch) -> Option<Self> {
         let mut truth = Truth::new(view, bounces);
-        let eye = Eye::new(world, view, bounces);
-        let samples = samples.div_ceil(PATHS as u64);
-        truth.estimates.add_all(samples, watch, |pixel, sample| eye.sample(pixel, sample)).then_some(truth)
+        let each = samples.div_ceil(u64::from(BATCHES));
+        let batch = |batch: u32| {
+            let share = |share: f64| watch((f64::from(batch) + share) / f64::from(BATCHES));
+            truth.add_batch(world, each, &share)
+        };
+        (0..BATCHES).all(batch).then_some(truth)
     }
 
     /// Adds a batch of `samples` paths a pixel; tells whether `watch` let it finish.
     pub fn add_batch(&mut self, world: &World, samples: u64, watch: Watch) -> bool {
-        let eye = Eye::new(world, self.view, self.bounces);
+        let sparks = Sparks::new(world, u64::from(self.estimates.batches()));
+        let eye = Eye::new(world, &sparks, self.view, self.bounces);
         let samples = samples.div_ceil(PATHS as u64);
         self.estimates.add_batch(samples, watch, |pixel, sample| eye.sample(pixel, sample))
     }
@@ -113,15 +118,16 @@ fn colour(numbers: [f64; 6], from: usize) -> Rgb {
 /// Takes samples of pixels.
 struct Eye<'a> {
     world: &'a World<'a>,
+    sparks: &'a Sparks,
     view: View,
     bounces: Bounces,
     places: Points<2>,
-    paths: Points<4>,
+    paths: First,
 }
 
 impl<'a> Eye<'a> {
-    fn new(world: &'a World, view: View, bounces: Bounces) -> Self {
-        Eye { world, view, bounces, places: Points::new(), paths: Points::new() }
+    fn new(world: &'a World, sparks: &'a Sparks, view: View, bounces: Bounces) -> Self {
+        Eye { world, sparks, view, bounces, places: Points::new(), paths: First::default() }
     }
 
     /// One place in a pixel, with the paths from there.
@@ -134,8 +140,8 @@ impl<'a> Eye<'a> {
         let [r, g, b_] = add(seen.emission, seen.reflects(self.world.direct(&seen)));
         let mut sum = [0.0; 3];
         for path in 0..PATHS as u64 {
-            let first = self.paths.at(&[a, b, c, d], number * PATHS as u64 + path);
-            sum = add(sum, indirect(self.world, &seen, self.bounces, first, &mut more));
+            let first = self.paths.at([a, b, c, d], number * PATHS as u64 + path);
+            sum = add(sum, indirect(self.world, self.sparks, &seen, self.bounces, first, &mut more));
         }
         let [u, v, w] = seen.reflects(sum).map(|value| value / f64::from(PATHS));
         [r, g, b_, u, v, w]

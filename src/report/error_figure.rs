@@ -239,6 +239,7 @@ mod tests {
             relative_max: 4.0 * k,
             l1_ratio: 5.0 * k,
             l1_best_fit: None,
+            traced: None,
             undefined,
         }
     }

@@ -163,6 +163,39 @@ pub fn errors(rows: &[ErrorRow]) -> Table<9> {
     table
 }
 
+/// What is told of light that is held against a path-traced truth, as `truth.csv` has it.
+pub fn traced(rows: &[ErrorRow]) -> Table<10> {
+    let mut table = Table::new([
+        "iteration",
+        "metric",
+        "mean_ratio",
+        "l1_ratio",
+        "l1_best_fit",
+        "correlation",
+        "rmse",
+        "relmse",
+        "flip",
+        "truth_noise",
+    ]);
+    let number = |value: Option<f64>| value.map_or_else(|| "".into(), Value::Number);
+    for (row, traced) in rows.iter().filter_map(|row| Some((row, row.traced?))) {
+        let picture = |i: usize| number(traced.picture.map(|numbers| numbers[i]));
+        table.push([
+            row.iteration.into(),
+            row.expectation.name().into(),
+            traced.mean_ratio.into(),
+            row.l1_ratio.into(),
+            number(row.l1_best_fit),
+            number(traced.correlation),
+            picture(0),
+            picture(1),
+            picture(2),
+            traced.noise.into(),
+        ]);
+    }
+    table
+}
+
 /// Ways to get at the light of a scene, as `pareto.csv` has them.
 pub fn pareto(rows: &[&pareto::Row]) -> Table<9> {
     let mut table =
@@ -200,6 +233,7 @@ mod tests {
             relative_max: 20.0,
             l1_ratio: f64::INFINITY,
             l1_best_fit: None,
+            traced: None,
             undefined: 4,
         };
         let rows = [row, ErrorRow { level: Some(3), l1_ratio: 0.5, ..row }];

@@ -21,6 +21,9 @@ pub struct Solid {
     pub opacity: [f64; 3],
     /// The share of red, green and blue light that is sent back, each 0 to 1.
     pub albedo: [f64; 3],
+    /// Where between the cell's borders across x, y and z a mesh's surface stands, 0 to 1, in the mean; `None` where the
+    /// cell is filled.
+    pub stands: Option<[f64; 3]>,
     /// What fuzzy occlusion takes it to be: a lobe about the normal, scaled by the opacity; of a mesh the sum of such
     /// lobes over its surface in the cell.
     pub blocker: Sh<f64>,
@@ -30,7 +33,7 @@ impl Solid {
     /// A cell that blocks alike on all axes; `opacity` is above 0 and up to 1. Where the normal is zero the blocker,
     /// [`Sh::lobe`] of it, blocks alike from all sides.
     pub fn new(cell: Cell, normal: DVec3, opacity: f64, albedo: [f64; 3]) -> Self {
-        Solid { cell, normal, opacity: [opacity; 3], albedo, blocker: Sh::lobe(normal) * opacity }
+        Solid { cell, normal, opacity: [opacity; 3], albedo, stands: None, blocker: Sh::lobe(normal) * opacity }
     }
 
     /// The most that it blocks along any axis, above 0 and up to 1.

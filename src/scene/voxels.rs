@@ -43,14 +43,14 @@ impl Voxels {
         for triangle in 0..mesh.len() {
             let corners = mesh.corners(triangle).map(|corner| on_border(placement.in_cells(corner), n));
             let (normal, albedo) = (mesh.normal(triangle), mesh.albedo(triangle));
-            clip.cells(corners, n, |cell, area| {
+            clip.cells(corners, n, |cell, area, middle| {
                 let i = (cell[2] * n + cell[1]) * n + cell[0];
                 let place = &mut places[i];
                 if *place == NONE {
                     *place = parts.len() as u32;
                     parts.push((i as u32, Part::default()));
                 }
-                parts[*place as usize].1.add(area, normal, albedo);
+                parts[*place as usize].1.add(area, middle, normal, albedo);
             });
             if parts.len() > most {
                 return None;
@@ -76,15 +76,18 @@ struct Part {
     normal: DVec3,
     /// Σ a·|n_k|.
     covers: DVec3,
+    /// Σ a·|n_k|·x_k, x the place in the cell.
+    stands: DVec3,
     /// Σ a·ρ.
     albedo: [f64; 3],
 }
 
 impl Part {
-    fn add(&mut self, area: f64, normal: DVec3, albedo: [f64; 3]) {
+    fn add(&mut self, area: f64, middle: DVec3, normal: DVec3, albedo: [f64; 3]) {
         self.area += area;
         self.normal += normal * area;
         self.covers += normal.abs() * area;
+        self.stands += normal.abs() * area * middle;
         (0..3).for_each(|c| self.albedo[c] += albedo[c] * area);
     }
 
@@ -97,6 +100,7 @@ impl Part {
             normal: if self.normal.length() > 1e-9 * self.area { self.normal.normalize() } else { DVec3::ZERO },
             opacity: self.covers.to_array().map(|covered| covered.min(1.0)),
             albedo: self.albedo.map(|albedo| (albedo / self.area).min(1.0)),
+            stands: Some([0, 1, 2].map(|k| if self.covers[k] > 0.0 { self.stands[k] / self.covers[k] } else { 0.5 })),
             blocker: both_sides * self.area,
         }
     }
@@ -120,8 +124,9 @@ struct Clip {
 }
 
 impl Clip {
-    /// Calls `each` with every cell of an n³ volume that a triangle (in cells) touches, and its area there.
-    fn cells(&mut self, corners: [DVec3; 3], n: usize, mut each: impl FnMut(Cell, f64)) {
+    /// Calls `each` with every cell of an n³ volume that a triangle (in cells) touches, its area there, and the middle
+    /// of that, from the cell's corner.
+    fn cells(&mut self, corners: [DVec3; 3], n: usize, mut each: impl FnMut(Cell, f64, DVec3)) {
         let Clip { slab, row, piece } = self;
         for z in layers(&corners, 2, n) {
             clip(&corners, 2, z, slab);
@@ -129,9 +134,10 @@ impl Clip {
                 clip(slab, 1, y, row);
                 for x in layers(row, 0, n) {
                     clip(row, 0, x, piece);
-                    let area = area(piece);
+                    let (area, middle) = area(piece);
                     if area > 0.0 {
-                        each([x, y, z], area);
+                        let corner = DVec3::new(x as f64, y as f64, z as f64);
+                        each([x, y, z], area, (middle - corner).clamp(DVec3::ZERO, DVec3::ONE));
                     }
                 }
             }
@@ -176,11 +182,16 @@ fn clip(polygon: &[DVec3], axis: usize, layer: usize, into: &mut Vec<DVec3>) {
     }
 }
 
-/// The area of a flat polygon.
-fn area(polygon: &[DVec3]) -> f64 {
-    let Some(first) = polygon.first() else { return 0.0 };
-    let twice: DVec3 = polygon.windows(2).map(|pair| (pair[0] - first).cross(pair[1] - first)).sum();
-    twice.length() / 2.0
+/// The area of a flat convex polygon, and its centre of mass.
+fn area(polygon: &[DVec3]) -> (f64, DVec3) {
+    let Some(first) = polygon.first() else { return (0.0, DVec3::ZERO) };
+    let (mut area, mut sum) = (0.0, DVec3::ZERO);
+    for pair in polygon.windows(2) {
+        let triangle = (pair[0] - first).cross(pair[1] - first).length() / 2.0;
+        area += triangle;
+        sum += triangle * (first + pair[0] + pair[1]) / 3.0;
+    }
+    (area, if area > 0.0 { sum / area } else { *first })
 }
 
 #[cfg(test)]

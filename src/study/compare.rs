@@ -64,7 +64,7 @@ pub fn run(
     references: &References,
     device: Device,
 ) -> Result<Option<Finding>, Refusal> {
-    let mut problem = problem.clone();
+    let mut problem = expectation.prepared(problem.clone());
     problem.propagation.scheme = scheme.to_owned();
     let places = Places::of(&problem);
     let anisotropy = probe::anisotropy(&problem.propagation)?;

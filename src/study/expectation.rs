@@ -10,9 +10,12 @@
 //! | corrected | the accumulated light of a level | a uniform volume of the finest size, downsampled (000, 7) | from 1 on |
 //! | merged | the merged light | that uniform volume (000, 6.2) | no |
 //! | ballistic | the merged light that has moved, S_A − S_0 | what truly arrives along straight lines | no |
+//! | surface | the light on a mesh's surfaces | what truly reaches them after one bounce, path traced | no |
+//! | picture | what the scene's camera sees | the path-traced picture of one bounce | no |
 //!
 //! The thesis's says how much levels disagree, not which of them is right; corrected and merged what the octree
-//! costs; ballistic what the scheme costs. A uniform volume is one level of the finest size, propagated on its
+//! costs; ballistic what the scheme costs; surface and picture what of all that somebody sees, and whose truth has an
+//! error bar of its own ([`error::Traced`]). A uniform volume is one level of the finest size, propagated on its
 //! own. Every level of an octree is propagated by itself, so the octree's own finest level is that volume, and
 //! it costs nothing more. What truly arrives has to be computed before ([`References`]).
 //!
@@ -21,18 +24,21 @@
 
 pub mod error;
 pub mod held;
+pub mod truths;
 
 use std::fmt;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::render::stage::Set;
 use crate::scene::Problem;
 use crate::sh::Real;
 use crate::simulation::Simulation;
 use crate::transport::ballistic::Ballistic;
 use error::ErrorRow;
 pub use held::Held;
+use truths::{PictureTruth, SurfaceTruth};
 
 /// What light is held against.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -47,6 +53,10 @@ pub enum Expectation {
     Merged,
     /// The merged light that has moved, S_A − S_0, with the flux that truly enters each cell along straight lines.
     Ballistic,
+    /// The irradiance of a mesh's surfaces with what truly reaches them after one bounce.
+    Surface,
+    /// What the scene's camera sees with its path-traced picture.
+    Picture,
 }
 
 impl Expectation {
@@ -59,8 +69,14 @@ impl Expectation {
     ///     Expectation::ALL.into_iter().filter(|one| one.has_levels()).map(Expectation::name).collect();
     /// assert_eq!(with_levels, ["thesis", "corrected"]);
     /// ```
-    pub const ALL: [Expectation; 4] =
-        [Expectation::Thesis, Expectation::Corrected, Expectation::Merged, Expectation::Ballistic];
+    pub const ALL: [Expectation; 6] = [
+        Expectation::Thesis,
+        Expectation::Corrected,
+        Expectation::Merged,
+        Expectation::Ballistic,
+        Expectation::Surface,
+        Expectation::Picture,
+    ];
 
     /// Its name in files and on screen.
     pub fn name(self) -> &'static str {
@@ -69,6 +85,8 @@ impl Expectation {
             Expectation::Corrected => "corrected",
             Expectation::Merged => "merged",
             Expectation::Ballistic => "ballistic",
+            Expectation::Surface => "surface",
+            Expectation::Picture => "picture",
         }
     }
 
@@ -78,6 +96,8 @@ impl Expectation {
             Expectation::Thesis => "children",
             Expectation::Corrected | Expectation::Merged => "uniform",
             Expectation::Ballistic => "ballistic",
+            Expectation::Surface => "surface",
+            Expectation::Picture => "picture",
         }
     }
 
@@ -87,6 +107,8 @@ impl Expectation {
             Expectation::Thesis => "its children",
             Expectation::Corrected | Expectation::Merged => "a uniform volume",
             Expectation::Ballistic => "what truly arrives",
+            Expectation::Surface => "what truly reaches surfaces",
+            Expectation::Picture => "the path-traced picture",
         }
     }
 
@@ -97,6 +119,8 @@ impl Expectation {
             Expectation::Corrected => "Every level against a uniform volume, downsampled",
             Expectation::Merged => "The merged light against a uniform volume",
             Expectation::Ballistic => "The merged light that has moved against what truly arrives along straight lines",
+            Expectation::Surface => "The light on surfaces against what truly reaches them after one bounce",
+            Expectation::Picture => "What the scene's camera sees against the path-traced picture of one bounce",
         }
     }
 
@@ -105,7 +129,7 @@ impl Expectation {
         matches!(self, Expectation::Thesis | Expectation::Corrected)
     }
 
-    /// Those that hold the merged light, one value a finest cell: what schemes are compared by.
+    /// Those that hold what is made of the merged light: what schemes are compared by.
     pub fn of_merged_light() -> impl Iterator<Item = Expectation> {
         Self::ALL.into_iter().filter(|one| !one.has_levels())
     }
@@ -113,19 +137,43 @@ impl Expectation {
     /// Whether errors are also told after the one scalar that fits best: where the expectation has a scale of its
     /// own, for renderers scale by taste.
     pub fn is_scaled_by_taste(self) -> bool {
-        self == Expectation::Ballistic
+        self == Expectation::Ballistic || self.needs_mesh()
+    }
+
+    /// Whether it is about the surfaces of a scene's mesh, and so is never ready for a scene without one.
+    pub fn needs_mesh(self) -> bool {
+        matches!(self, Expectation::Surface | Expectation::Picture)
+    }
+
+    /// The problem with what it takes from a run's transport: what surfaces are asked for their light.
+    pub fn prepared(self, problem: Problem) -> Problem {
+        match &problem.stage {
+            Some(stage) if self.needs_mesh() => Set::new(&Arc::clone(stage)).prepared(problem),
+            _ => problem,
+        }
     }
 
     /// Whether all that it needs is there.
     pub fn is_ready(self, references: &References) -> bool {
-        self != Expectation::Ballistic || references.ballistic.is_some()
+        match self {
+            Expectation::Thesis | Expectation::Corrected | Expectation::Merged => true,
+            Expectation::Ballistic => references.ballistic.is_some(),
+            Expectation::Surface => references.surface.is_some(),
+            Expectation::Picture => references.picture.is_some(),
+        }
     }
 
     /// Computes what it needs of a problem and is not there yet. `progress` hears of the share done, 0 to 1, from
     /// any thread, and returns whether to go on.
     pub fn prepare(self, problem: &Problem, references: &mut References, progress: &(dyn Fn(f64) -> bool + Sync)) {
-        if !self.is_ready(references) {
-            references.ballistic = Ballistic::new(problem, progress).map(Arc::new);
+        if self.is_ready(references) {
+            return;
+        }
+        match self {
+            Expectation::Thesis | Expectation::Corrected | Expectation::Merged => (),
+            Expectation::Ballistic => references.ballistic = Ballistic::new(problem, progress).map(Arc::new),
+            Expectation::Surface => references.surface = SurfaceTruth::of(problem, progress),
+            Expectation::Picture => references.picture = PictureTruth::of(problem, progress),
         }
     }
 
@@ -170,11 +218,17 @@ impl fmt::Display for Expectation {
 pub struct References {
     /// What truly arrives along straight lines.
     pub ballistic: Option<Arc<Ballistic>>,
+    /// What truly reaches the surfaces of its mesh.
+    pub surface: Option<Arc<SurfaceTruth>>,
+    /// What its camera truly sees.
+    pub picture: Option<Arc<PictureTruth>>,
 }
 
 impl References {
     /// Drops what is not of `problem`.
     pub fn turn_to(&mut self, problem: &Problem) {
         self.ballistic.take_if(|ballistic| !ballistic.is_of(problem));
+        self.surface.take_if(|surface| !surface.is_of(problem));
+        self.picture.take_if(|picture| !picture.is_of(problem));
     }
 }

@@ -53,6 +53,13 @@ pub trait Transport<T: Real>: fmt::Debug + Send + Sync {
         Ok(())
     }
 
+    /// Takes the light that was injected all its way at once, where that is cheaper than iterating for ever; whether it
+    /// did. The iteration stays what it was, and nothing is left under way.
+    fn settle(&mut self, state: &mut State<T>) -> bool {
+        let _ = state;
+        false
+    }
+
     /// Sets `merged` to what a channel's accumulated light is in every finest cell.
     fn sample(&self, state: &State<T>, channel: usize, merged: &mut Grid<T>) {
         state.sample(channel, merged);

@@ -20,8 +20,10 @@
 mod beams;
 pub mod directions;
 mod receive;
+mod reflect;
 pub mod shares;
 pub mod stepper;
+mod surfaces;
 mod sweep;
 
 use glam::DVec3;
@@ -36,7 +38,10 @@ use crate::scene::{Problem, Propagation};
 use crate::sh::Real;
 use beams::Beams;
 use directions::Direction;
+use receive::Facing;
 use shares::Shares;
+use surfaces::ByCell;
+use sweep::{Got, Sent};
 
 /// The name of the one kind of transport that this is.
 pub const NAME: &str = "ordinates";
@@ -47,7 +52,7 @@ pub fn kinds() -> Vec<Kind> {
         name: NAME,
         summary: "light that keeps its direction, on the finest level",
         source: "discrete ordinates, by the donor cell rule or by where a beam leaves a cell",
-        flaws: "with few directions light arrives in rays; beams widen as they cross cell borders; nothing is reflected",
+        flaws: "with few directions light arrives in rays; beams widen as they cross cell borders",
         can: Capabilities { levels: false, occluders: true, clamp: false, grows: false },
         conserving: CONSERVING,
         laws,
@@ -95,6 +100,8 @@ fn label(Propagation { scheme, ordinates: Setting { directions, rule, lattice },
 const LANES: usize = 8;
 /// A number for each of them.
 type Lanes<T> = [T; LANES];
+/// What comes into a cell by its near faces, or leaves it by the far ones, as the wind of a group blows.
+type Came<T> = [Lanes<T>; 3];
 /// Pieces that a sweep is cut into, of two octants each: always the same, so that the sum is too.
 const PIECES: usize = 4;
 
@@ -174,21 +181,35 @@ impl<T: Real> Ordinates<T> {
         occluders: Option<&Transmittance>,
         arrived: &mut Grid<T>,
     ) {
-        let lit = sweep::lit_rows(injected);
+        let (surfaces, receivers) = (ByCell::none(), Facing::default());
+        let got = &mut Got { arrived, receivers: &receivers, received: &mut [] };
+        self.sweep(room, &Sent::new(injected, &surfaces), occluders, got);
+    }
+
+    /// Takes all that is sent all its way: sets what arrives in the cells, adds what receivers get.
+    fn sweep(&self, room: &mut Room<T>, sent: &Sent<'_, T>, occluders: Option<&Transmittance>, got: &mut Got<'_, T>) {
         let octants = self.octants.chunks(self.octants.len() / PIECES);
-        team::share(octants.zip(&mut room.pieces).collect(), |(octants, Piece { under_way, arrived }): (&[_], _)| {
+        let receivers = got.receivers;
+        team::share(octants.zip(&mut room.pieces).collect(), |(octants, piece): (&[_], &mut Piece<T>)| {
+            let Piece { under_way, arrived, received } = piece;
             arrived.clear();
+            received.clear();
+            received.resize(receivers.len(), 0.0);
+            let mut got = Got { arrived, receivers, received };
             for octant in octants {
-                sweep::sweep(octant, self.rule, (injected, &lit), occluders, under_way, arrived);
+                sweep::sweep(octant, self.rule, sent, occluders, under_way, &mut got);
             }
         });
-        let planes = arrived.planes_mut().into_iter().enumerate();
+        let planes = got.arrived.planes_mut().into_iter().enumerate();
         team::share(planes.collect(), |(p, plane): (usize, &mut [T])| {
             plane.fill(T::ZERO);
             for piece in &room.pieces {
                 plane.iter_mut().zip(&piece.arrived.planes()[p]).for_each(|(sum, c)| *sum += *c);
             }
         });
+        for piece in &room.pieces {
+            got.received.iter_mut().zip(&piece.received).for_each(|(sum, received)| *sum += received);
+        }
     }
 }
 
@@ -236,12 +257,14 @@ pub struct Room<T = f32> {
 struct Piece<T> {
     under_way: Vec<Lanes<T>>,
     arrived: Grid<T>,
+    received: Vec<f64>,
 }
 
 impl<T: Real> Room<T> {
     /// Room for an n³ grid.
     pub fn new(n: usize) -> Self {
-        Room { pieces: std::array::from_fn(|_| Piece { under_way: Vec::new(), arrived: Grid::new(n) }) }
+        let piece = |_| Piece { under_way: Vec::new(), arrived: Grid::new(n), received: Vec::new() };
+        Room { pieces: std::array::from_fn(piece) }
     }
 }
 

@@ -69,6 +69,7 @@ mod tests {
             relative_max: 0.0,
             l1_ratio: 0.0,
             l1_best_fit: best_fit,
+            traced: None,
             undefined: 0,
         };
         vec![row]

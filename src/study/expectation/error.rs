@@ -36,6 +36,21 @@ pub struct ErrorRow {
     pub l1_best_fit: Option<f64>,
     /// Cells whose relative error is undefined: dark where light was expected.
     pub undefined: usize,
+    /// What more is told of light that is held against a path-traced truth.
+    pub traced: Option<Traced>,
+}
+
+/// Light on surfaces, or a picture, against its path-traced truth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Traced {
+    /// All that was found over all that is true.
+    pub mean_ratio: f64,
+    /// Of light on surfaces, how found and true light go together: 1 where one is a multiple of the other.
+    pub correlation: Option<f64>,
+    /// Of pictures: RMSE, relMSE and mean FLIP ([`crate::study::picture`]).
+    pub picture: Option<[f64; 3]>,
+    /// The truth's own error, to be compared with the L1 ratio: what of that may be the truth's fault.
+    pub noise: f64,
 }
 
 /// The error of one cell.
@@ -74,7 +89,8 @@ impl CellError {
 /// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tally {
-    cells: usize,
+    /// Cells, each by its weight: those that have a relative error, and those that have none.
+    weights: [f64; 2],
     undefined: usize,
     absolute: f64,
     absolute_max: f64,
@@ -87,23 +103,32 @@ impl Tally {
     /// Takes in one cell: ‖O − Ô‖∞, ‖O‖∞ and ‖Ô‖∞.
     #[inline]
     pub fn add(&mut self, difference: f64, found: f64, expected: f64) {
+        self.add_weighed(1.0, difference, found, expected);
+    }
+
+    /// The same for what counts as so many cells.
+    #[inline]
+    pub fn add_weighed(&mut self, weight: f64, difference: f64, found: f64, expected: f64) {
         let error = CellError::new(difference, found);
-        self.cells += 1;
-        self.absolute += error.absolute;
+        self.absolute += weight * error.absolute;
         self.absolute_max = self.absolute_max.max(error.absolute);
-        self.expected += expected;
+        self.expected += weight * expected;
         match error.relative {
             Some(relative) => {
-                self.relative += relative;
+                self.weights[0] += weight;
+                self.relative += weight * relative;
                 self.relative_max = self.relative_max.max(relative);
             }
-            None => self.undefined += 1,
+            None => {
+                self.weights[1] += weight;
+                self.undefined += 1;
+            }
         }
     }
 
     /// Takes in all the cells of another tally.
     pub fn merge(&mut self, other: &Tally) {
-        self.cells += other.cells;
+        (0..2).for_each(|i| self.weights[i] += other.weights[i]);
         self.undefined += other.undefined;
         self.absolute += other.absolute;
         self.absolute_max = self.absolute_max.max(other.absolute_max);
@@ -114,18 +139,20 @@ impl Tally {
 
     /// The row that says it.
     pub fn row(&self, iteration: usize, expectation: Expectation, level: Option<usize>) -> ErrorRow {
-        let mean = |sum: f64, count: usize| if count == 0 { 0.0 } else { sum / count as f64 };
+        let [defined, undefined] = self.weights;
+        let mean = |sum: f64, weight: f64| if weight == 0.0 { 0.0 } else { sum / weight };
         ErrorRow {
             iteration,
             expectation,
             level,
-            absolute_mean: mean(self.absolute, self.cells),
+            absolute_mean: mean(self.absolute, defined + undefined),
             absolute_max: self.absolute_max,
-            relative_mean: mean(self.relative, self.cells - self.undefined),
+            relative_mean: mean(self.relative, defined),
             relative_max: self.relative_max,
             l1_ratio: if self.absolute == 0.0 { 0.0 } else { self.absolute / self.expected },
             l1_best_fit: None,
             undefined: self.undefined,
+            traced: None,
         }
     }
 }

@@ -1,12 +1,18 @@
 //! The light of one state beside what it ought to be: cell by cell, as rows, and after the best scalar.
 
-use super::error::{CellError, ErrorRow, Tally};
+use super::error::{CellError, ErrorRow, Tally, Traced};
+use super::truths::{PictureTruth, SurfaceTruth};
 use super::{Expectation, References};
 use crate::field::{Cell, Grid, Layout, downsample_into, mean_of_children};
+use crate::render::image::Image;
+use crate::render::rgb::Rgb;
+use crate::render::seen::Seen;
 use crate::scene::propagation::descent::Descent;
 use crate::sh::{Real, Sh};
 use crate::simulation::Simulation;
 use crate::study::fit::{BestFit, l1};
+use crate::study::picture::Difference;
+use crate::study::surface::{self, Surfaces};
 use crate::study::{light, reference};
 use crate::transport::ballistic::Ballistic;
 
@@ -33,6 +39,10 @@ enum Compared<'a, T> {
     Merged(Vec<Grid<T>>),
     /// The merged light without what was injected, with what truly arrives.
     Moved(Vec<Grid<T>>, &'a Ballistic),
+    /// What the patches of a mesh's surface receive, with what truly reaches them.
+    Surface(Vec<Rgb>, &'a SurfaceTruth),
+    /// What a camera sees, with the true picture.
+    Picture(Seen, &'a PictureTruth),
 }
 
 impl<'a, T: Real> Held<'a, T> {
@@ -42,6 +52,14 @@ impl<'a, T: Real> Held<'a, T> {
             Expectation::Corrected => Compared::Levels,
             Expectation::Merged => Compared::Merged(light::sampled(state)),
             Expectation::Ballistic => Compared::Moved(light::moved(state), references.ballistic.as_deref()?),
+            Expectation::Surface => {
+                let truth = references.surface.as_deref()?;
+                Compared::Surface(truth.found(state), truth)
+            }
+            Expectation::Picture => {
+                let truth = references.picture.as_deref()?;
+                Compared::Picture(truth.seen(state)?, truth)
+            }
         };
         // The finest level of a descent has been started by coarser ones.
         let descends = state.problem().propagation.descent != Descent::Off;
@@ -100,6 +118,47 @@ impl<'a, T: Real> Held<'a, T> {
                 let l1_best_fit = self.best_fit().map(|fit| fit.fitted);
                 vec![ErrorRow { l1_best_fit, ..self.row(&tally, None) }]
             }
+            Compared::Surface(found, truth) => vec![self.surface_row(found, truth)],
+            Compared::Picture(seen, truth) => vec![self.picture_row(seen, truth)],
+        }
+    }
+
+    /// The error of the irradiance [W/m²] of surfaces, each patch by its area.
+    fn surface_row(&self, found: &[Rgb], truth: &SurfaceTruth) -> ErrorRow {
+        let mut tally = Tally::default();
+        for (i, (patch, found)) in truth.patches().all().iter().zip(found).enumerate() {
+            let expected = truth.lit().indirect(i);
+            tally.add_weighed(patch.area, norm(|c| found[c] - expected[c]), norm(|c| found[c]), norm(|c| expected[c]));
+        }
+        let surfaces = surface::compare(truth.patches(), found, truth.lit());
+        ErrorRow {
+            l1_ratio: surfaces.l1,
+            l1_best_fit: Some(surfaces.l1_fitted),
+            traced: Some(Traced {
+                mean_ratio: surfaces.mean_ratio,
+                correlation: Some(surfaces.correlation),
+                picture: None,
+                noise: surfaces.noise,
+            }),
+            ..self.row(&tally, None)
+        }
+    }
+
+    /// The error of the radiance [W/(m²·sr)] of pixels.
+    fn picture_row(&self, seen: &Seen, truth: &PictureTruth) -> ErrorRow {
+        let compared = truth.compare(seen);
+        let tally = pixels(&truth.image(), &seen.total());
+        let fitted = pixels(&truth.image(), &seen.scaled(compared.scale));
+        let Difference { rmse, rel_mse, flip, mean_ratio } = compared.raw;
+        ErrorRow {
+            l1_best_fit: Some(self.row(&fitted, None).l1_ratio),
+            traced: Some(Traced {
+                mean_ratio,
+                correlation: None,
+                picture: Some([rmse, rel_mse, flip]),
+                noise: truth.noise(),
+            }),
+            ..self.row(&tally, None)
         }
     }
 
@@ -112,15 +171,24 @@ impl<'a, T: Real> Held<'a, T> {
                 Some(l1(&self.scales, merged, &uniform))
             }
             Compared::Moved(moved, truth) => Some(l1(&self.scales, moved, truth.light())),
+            Compared::Surface(found, truth) => {
+                let Surfaces { l1, l1_fitted, scale, .. } = surface::compare(truth.patches(), found, truth.lit());
+                Some(BestFit { raw: l1, fitted: l1_fitted, scale })
+            }
+            Compared::Picture(seen, truth) => {
+                let scale = truth.compare(seen).scale;
+                let row = self.picture_row(seen, truth);
+                Some(BestFit { raw: row.l1_ratio, fitted: row.l1_best_fit?, scale })
+            }
         }
     }
 
     /// The error of a cell of a level, in red, green and blue together; `None` where nothing is expected there: on
-    /// level 0 where levels are told apart, and outside the octree. What has no levels is held by the mean over a
+    /// level 0 where levels are told apart, outside the octree, and where what is held is no light of cells. What has no levels is held by the mean over a
     /// coarse cell.
     pub fn cell(&self, level: usize, cell: Cell) -> Option<CellError> {
         let known = if self.expectation.has_levels() { 1 } else { 0 };
-        if !(known..self.state.sizes().count()).contains(&level) {
+        if !(known..self.state.sizes().count()).contains(&level) || self.expectation.needs_mesh() {
             return None;
         }
         let (mut difference, mut found) = (0.0f64, 0.0f64);
@@ -148,6 +216,7 @@ impl<'a, T: Real> Held<'a, T> {
             Compared::Moved(moved, truth) => {
                 [mean_within(&moved[channel], level, cell), mean_within(&truth.light()[channel], level, cell)]
             }
+            Compared::Surface(..) | Compared::Picture(..) => [Sh::ZERO; 2],
         }
     }
 
@@ -178,6 +247,21 @@ impl<'a, T: Real> Held<'a, T> {
     fn row(&self, tally: &Tally, level: Option<usize>) -> ErrorRow {
         tally.row(self.state.iteration(), self.expectation, level)
     }
+}
+
+/// The largest of three colours.
+fn norm(of: impl Fn(usize) -> f64) -> f64 {
+    (0..3).map(|c| of(c).abs()).fold(0.0, f64::max)
+}
+
+/// Two pictures pixel by pixel.
+fn pixels(truth: &Image, found: &Image) -> Tally {
+    let mut tally = Tally::default();
+    for (truth, found) in truth.pixels().iter().zip(found.pixels()) {
+        let (truth, found) = (truth.map(f64::from), found.map(f64::from));
+        tally.add(norm(|c| found[c] - truth[c]), norm(|c| found[c]), norm(|c| truth[c]));
+    }
+    tally
 }
 
 /// The mean of all finest cells within a cell of `level`.
@@ -222,7 +306,7 @@ mod tests {
             assert!(expectation.is_ready(&references));
             (expectation, references)
         };
-        Expectation::ALL.map(ready).to_vec()
+        Expectation::ALL.into_iter().filter(|one| !one.needs_mesh()).map(ready).collect()
     }
 
     #[test]

@@ -1,12 +1,13 @@
 //! Ordinates by the iteration: every front moves one cell a step.
 
-use std::collections::HashMap;
-
 use glam::DVec3;
 use multiversion::multiversion;
 use rayon::prelude::*;
 
-use super::{Group, LANES, Lanes, Octant, Ordinates};
+use super::receive::{self, Facing};
+use super::surfaces::{ByCell, Surfaces};
+use super::sweep::{Got, Sent};
+use super::{Came, Group, LANES, Lanes, Octant, Ordinates, Room};
 use crate::field::{Cell, Grid, Layout};
 use crate::scene::propagation::directions::Rule;
 use crate::sh::{K0, K1, Real, Sh};
@@ -15,8 +16,8 @@ use crate::transport::transmittance::Transmittance;
 /// Pieces that the directions are cut into: always the same, so that the sum is too.
 const PIECES: usize = 4;
 
-/// What has come into a cell by its low faces, as the wind of a group blows.
-pub(super) type Came<T> = [Lanes<T>; 3];
+/// By axis whether a group goes backwards, the group, what came in and what was about to leave.
+pub(super) type Arrival<'a, T> = ([bool; 3], &'a Group<T>, Came<T>, Came<T>);
 
 /// Light of one channel under way in all directions. Once it moves it takes three numbers a cell and direction.
 #[derive(Clone, Debug)]
@@ -25,13 +26,16 @@ pub struct Stepper<T = f32> {
     n: usize,
     /// For every group and cell, x fastest; cells in the order of the wind. Empty until something moves.
     under_way: Vec<Vec<Came<T>>>,
+    /// For every group and cell of a sheet, what was about to leave by the far faces in the last step, before that met
+    /// the sheet.
+    left: Vec<Vec<Came<T>>>,
     /// What has not been sent yet.
     unsent: Grid<T>,
     surfaces: Surfaces<T>,
 }
 
-/// Light of surfaces that has not been sent yet: by cell, normals and what goes along them [W/sr].
-type Surfaces<T> = HashMap<usize, Vec<([T; 3], T)>>;
+/// Groups with what is under way in them, and what was about to leave.
+type Piece<'a, T> = ((&'a [Wind<'a, T>], &'a mut [Vec<Came<T>>]), &'a mut [Vec<Came<T>>]);
 
 /// A group of directions, and the way it blows.
 type Wind<'a, T> = (&'a Octant<T>, &'a Group<T>);
@@ -39,17 +43,31 @@ type Wind<'a, T> = (&'a Octant<T>, &'a Group<T>);
 impl<T: Real> Stepper<T> {
     /// A dark volume of n³ cells.
     pub fn new(ordinates: Ordinates<T>, n: usize) -> Self {
-        Stepper { ordinates, n, under_way: Vec::new(), unsent: Grid::new(n), surfaces: Surfaces::default() }
+        Stepper {
+            ordinates,
+            n,
+            under_way: Vec::new(),
+            left: Vec::new(),
+            unsent: Grid::new(n),
+            surfaces: Surfaces::default(),
+        }
     }
 
     /// Bytes that it takes now.
     pub fn bytes_now(&self) -> usize {
-        self.under_way.iter().map(|cells| size_of_val(cells.as_slice())).sum::<usize>() + self.unsent.bytes()
+        let cells = self.under_way.iter().chain(&self.left);
+        cells.map(|cells| size_of_val(cells.as_slice())).sum::<usize>() + self.unsent.bytes() + self.surfaces.bytes()
+    }
+
+    /// Whether anything is under way, or was.
+    pub(super) fn has_moved(&self) -> bool {
+        !self.under_way.is_empty()
     }
 
     /// Makes it dark.
     pub fn clear(&mut self) {
         self.under_way.clear();
+        self.left.clear();
         self.unsent.clear();
         self.surfaces.clear();
     }
@@ -66,18 +84,32 @@ impl<T: Real> Stepper<T> {
         let groups = self.ordinates.octants.iter().flat_map(|octant| &octant.groups);
         let whole: f64 = groups.flat_map(|group| group.lambert(normal)).map(T::to_f64).sum();
         if whole > 0.0 {
-            let light = (normal, T::of(flux / whole));
-            self.surfaces.entry((z * self.n + y) * self.n + x).or_default().push(light);
+            self.surfaces.push((z * self.n + y) * self.n + x, normal, T::of(flux / whole));
         }
     }
 
-    /// What came into a cell in the last step: for each group of directions the fluxes by its low faces.
-    pub(super) fn arrivals(&self, cell: Cell) -> impl Iterator<Item = (&Group<T>, &Came<T>)> {
+    /// What was in a cell in the last step: for each group of directions, by axis whether it goes backwards, the fluxes
+    /// that came by its near faces, and those that were about to leave by the far ones, if it is the sheet of that number.
+    pub(super) fn arrivals(&self, cell: Cell, sheet: Option<usize>) -> impl Iterator<Item = Arrival<'_, T>> {
         let groups = self.ordinates.octants.iter().flat_map(|octant| octant.groups.iter().map(move |g| (octant, g)));
-        groups.zip(&self.under_way).map(move |((octant, group), came)| {
+        groups.zip(self.under_way.iter().zip(&self.left)).map(move |((octant, group), (came, left))| {
             let [x, y, z] = turned(octant, self.n, cell);
-            (group, &came[(z * self.n + y) * self.n + x])
+            let left = sheet.map_or([[T::ZERO; LANES]; 3], |number| left[number]);
+            (octant.backwards, group, came[(z * self.n + y) * self.n + x], left)
         })
+    }
+
+    /// Adds to each receiver's number what came to it in the last step: its irradiance times a cell's side squared.
+    pub fn receive(&self, receivers: &Facing, received: &mut [f64]) {
+        let pieces = receivers.all.par_chunks(receive::PIECE).zip(received.par_chunks_mut(receive::PIECE));
+        pieces.for_each(|(faces, received)| {
+            for (face, received) in faces.iter().zip(received) {
+                let gets = |(backwards, group, came, left): Arrival<'_, T>| {
+                    receive::total(face.gets(backwards, group, [&came, &left]))
+                };
+                *received += self.arrivals(face.cell, face.sheet).map(gets).sum::<f64>();
+            }
+        });
     }
 
     /// What the next step will send of lobes.
@@ -92,13 +124,17 @@ impl<T: Real> Stepper<T> {
             self.ordinates.octants.iter().flat_map(|octant| octant.groups.iter().map(move |g| (octant, g))).collect();
         let dark = [[T::ZERO; LANES]; 3];
         self.under_way.resize_with(groups.len(), || vec![dark; self.n.pow(3)]);
+        let sheets = occluders.map_or(0, Transmittance::sheets);
+        self.left.resize_with(groups.len(), || vec![dark; sheets]);
         let piece = groups.len().div_ceil(PIECES).max(1);
-        let (unsent, rule) = ((&self.unsent, &self.surfaces), self.ordinates.rule);
-        let pieces = groups.par_chunks(piece).zip(self.under_way.par_chunks_mut(piece));
-        let run = |(groups, under_way): (&[Wind<'_, T>], &mut [Vec<Came<T>>])| {
+        let surfaces = self.surfaces.by_cell(self.n);
+        let (unsent, rule) = ((&self.unsent, &surfaces), self.ordinates.rule);
+        let pieces =
+            groups.par_chunks(piece).zip(self.under_way.par_chunks_mut(piece)).zip(self.left.par_chunks_mut(piece));
+        let run = |((groups, under_way), left): Piece<'_, T>| {
             let mut arrived = Grid::new(unsent.0.side());
-            for (wind, came) in groups.iter().zip(under_way) {
-                advance(*wind, rule, gain, unsent, occluders, came);
+            for ((wind, came), left) in groups.iter().zip(under_way).zip(left) {
+                advance(*wind, rule, gain, unsent, occluders, came, left);
                 arrive(*wind, came, &mut arrived);
             }
             arrived
@@ -111,9 +147,28 @@ impl<T: Real> Stepper<T> {
     }
 }
 
+impl<T: Real> Stepper<T> {
+    /// Takes all that was to be sent by the next step all its way at once: sets `arrived` to what comes into each cell,
+    /// and adds to each receiver's number what comes to it. Nothing is kept under way.
+    pub(super) fn settle(
+        &mut self,
+        occluders: Option<&Transmittance>,
+        receivers: &Facing,
+        received: &mut [f64],
+        arrived: &mut Grid<T>,
+    ) {
+        let surfaces = self.surfaces.by_cell(self.n);
+        let sent = Sent::new(&self.unsent, &surfaces);
+        self.ordinates.sweep(&mut Room::new(self.n), &sent, occluders, &mut Got { arrived, receivers, received });
+        self.unsent.clear();
+        self.surfaces.clear();
+    }
+}
+
 impl<T: Real> Group<T> {
     /// For each direction its solid angle times the cosine to a surface's normal, if it leaves the surface.
-    fn lambert(&self, normal: [T; 3]) -> Lanes<T> {
+    #[inline(always)]
+    pub(super) fn lambert(&self, normal: [T; 3]) -> Lanes<T> {
         std::array::from_fn(|l| {
             let cosine = self.way[0][l] * normal[0] + self.way[1][l] * normal[1] + self.way[2][l] * normal[2];
             if cosine > T::ZERO { cosine * self.weight[l] } else { T::ZERO }
@@ -132,9 +187,10 @@ fn advance<T: Real>(
     (octant, group): (&Octant<T>, &Group<T>),
     rule: Rule,
     gain: T,
-    (unsent, surfaces): (&Grid<T>, &Surfaces<T>),
+    (unsent, surfaces): (&Grid<T>, &ByCell<'_, T>),
     occluders: Option<&Transmittance>,
     under_way: &mut [Came<T>],
+    left: &mut [Came<T>],
 ) {
     let n = unsent.side();
     let dark = [[T::ZERO; LANES]; 3];
@@ -142,33 +198,37 @@ fn advance<T: Real>(
     for (i, at) in (0..n.pow(3)).rev().map(|i| (i, [i % n, i / n % n, i / n / n])) {
         let cell = turned(octant, n, at);
         let (came, light) = (under_way[i], unsent.get(cell));
-        let of_surfaces =
-            if surfaces.is_empty() { None } else { surfaces.get(&((cell[2] * n + cell[1]) * n + cell[0])) };
+        let of_surfaces = surfaces.of((cell[2] * n + cell[1]) * n + cell[0]);
+        let sheet = occluders.and_then(|occluders| occluders.sheet(cell));
         let mut leaves = dark;
-        if !light.is_zero() || came != dark || of_surfaces.is_some() {
-            let mut sent = if light.is_zero() { dark[0] } else { group.sent(light) };
-            for (normal, along) in of_surfaces.into_iter().flatten() {
-                sent.iter_mut().zip(group.lambert(*normal)).for_each(|(sent, lambert)| *sent += *along * lambert);
-            }
-            let passes =
-                occluders.map_or([T::of(1.0); 3], |occluders| occluders.at(cell).map(|share| T::of(f64::from(share))));
+        if let Some(number) = sheet {
+            left[number] = dark;
+        }
+        if !light.is_zero() || came != dark || !of_surfaces.is_empty() {
+            let sent = if light.is_zero() { dark[0] } else { group.sent(light) };
+            let [enters, exits] =
+                occluders.map_or([[T::of(1.0); 3]; 2], |occluders| occluders.ends(cell, octant.backwards));
             let mut unseen = [dark[0]; 4];
             leaves = match rule {
-                Rule::Donor => group.cross::<true>(came, sent, passes, &mut unseen),
-                Rule::Faces => group.cross::<false>(came, sent, passes, &mut unseen),
+                Rule::Donor => group.cross::<true>(came, sent, enters, &mut unseen),
+                Rule::Faces => group.cross::<false>(came, sent, enters, &mut unseen),
             };
-            for lanes in &mut leaves {
-                for flux in lanes {
-                    *flux *= gain;
+            let mut free = dark;
+            group.leave(of_surfaces, &mut free, &mut leaves);
+            if let Some(number) = sheet {
+                left[number] = leaves;
+            }
+            for (axis, lanes) in leaves.iter_mut().enumerate() {
+                for (flux, free) in lanes.iter_mut().zip(free[axis]) {
+                    *flux = (*flux * exits[axis] + free) * gain;
                 }
             }
         }
+        under_way[i] = dark;
         for (axis, step) in [1, n, n * n].into_iter().enumerate() {
             if at[axis] + 1 < n {
-                under_way[i + step][axis] = leaves[axis];
-            }
-            if at[axis] == 0 {
-                under_way[i][axis] = dark[0];
+                let next = &mut under_way[i + step][axis];
+                next.iter_mut().zip(leaves[axis]).for_each(|(next, flux)| *next += flux);
             }
         }
     }

@@ -8,17 +8,44 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
+use super::receive::Facing;
+use super::surfaces::ByCell;
 use super::{Group, LANES, Lanes, Octant};
-use crate::field::{Grid, Marks};
+use crate::field::{Cell, Grid, Marks};
 use crate::scene::propagation::directions::Rule;
 use crate::sh::{K0, K1, Real, Sh};
 use crate::transport::lattice::kernel::FLOOR;
 use crate::transport::transmittance::Transmittance;
 
-/// Where a grid is lit: for every row (y, z), y fastest, the cells from its first to its last lit one.
-pub(super) fn lit_rows<T: Real>(grid: &Grid<T>) -> Vec<Range<usize>> {
+/// What is sent: light of cells, and light of surfaces.
+#[derive(Debug)]
+pub(super) struct Sent<'a, T> {
+    pub cells: &'a Grid<T>,
+    pub surfaces: &'a ByCell<'a, T>,
+    lit: Vec<Range<usize>>,
+}
+
+impl<'a, T: Real> Sent<'a, T> {
+    pub fn new(cells: &'a Grid<T>, surfaces: &'a ByCell<'a, T>) -> Self {
+        Sent { cells, surfaces, lit: lit_rows(cells, surfaces.cells(cells.side())) }
+    }
+}
+
+/// What is asked of a sweep.
+#[derive(Debug)]
+pub(super) struct Got<'a, T> {
+    /// What arrives in each cell is added to it.
+    pub arrived: &'a mut Grid<T>,
+    pub receivers: &'a Facing,
+    /// What each receiver gets is added to its number.
+    pub received: &'a mut [f64],
+}
+
+/// Where light is sent: for every row (y, z), y fastest, the cells from its first to its last lit one.
+fn lit_rows<T: Real>(grid: &Grid<T>, more: impl Iterator<Item = Cell>) -> Vec<Range<usize>> {
     let mut lit = Marks::new(grid.side());
     lit.mark_lit(grid);
+    more.for_each(|cell| lit.set(cell));
     let row = |words: &[u64]| {
         let first = words.iter().position(|word| *word != 0).map(|w| 64 * w + words[w].trailing_zeros() as usize);
         let end = words.iter().rposition(|word| *word != 0).map(|w| 64 * (w + 1) - words[w].leading_zeros() as usize);
@@ -27,18 +54,17 @@ pub(super) fn lit_rows<T: Real>(grid: &Grid<T>) -> Vec<Range<usize>> {
     lit.words().chunks_exact(lit.words_per_row()).map(row).collect()
 }
 
-/// Adds what arrives in each cell to `arrived`; `lit` are the [`lit_rows`] of the injected light, `under_way` is
-/// memory to use.
+/// Takes the light of one octant all its way; `under_way` is memory to use.
 pub(super) fn sweep<T: Real>(
     octant: &Octant<T>,
     rule: Rule,
-    (injected, lit): (&Grid<T>, &[Range<usize>]),
+    sent: &Sent<'_, T>,
     occluders: Option<&Transmittance>,
     under_way: &mut Vec<Lanes<T>>,
-    arrived: &mut Grid<T>,
+    got: &mut Got<'_, T>,
 ) {
     if !octant.groups.is_empty() {
-        best(octant, rule, (injected, lit), occluders, under_way, arrived);
+        best(octant, rule, sent, occluders, under_way, got);
     }
 }
 
@@ -46,26 +72,26 @@ pub(super) fn sweep<T: Real>(
 fn best<T: Real>(
     octant: &Octant<T>,
     rule: Rule,
-    (injected, lit): (&Grid<T>, &[Range<usize>]),
+    sent: &Sent<'_, T>,
     occluders: Option<&Transmittance>,
     under_way: &mut Vec<Lanes<T>>,
-    arrived: &mut Grid<T>,
+    got: &mut Got<'_, T>,
 ) {
     match rule {
-        Rule::Donor => any::<T, true>(octant, (injected, lit), occluders, under_way, arrived),
-        Rule::Faces => any::<T, false>(octant, (injected, lit), occluders, under_way, arrived),
+        Rule::Donor => any::<T, true>(octant, sent, occluders, under_way, got),
+        Rule::Faces => any::<T, false>(octant, sent, occluders, under_way, got),
     }
 }
 
 #[inline(always)]
 fn any<T: Real, const DONOR: bool>(
     octant: &Octant<T>,
-    (injected, lit): (&Grid<T>, &[Range<usize>]),
+    sent: &Sent<'_, T>,
     occluders: Option<&Transmittance>,
     under_way: &mut Vec<Lanes<T>>,
-    arrived: &mut Grid<T>,
+    got: &mut Got<'_, T>,
 ) {
-    let layout = injected.layout();
+    let layout = sent.cells.layout();
     let n = layout.side();
     let groups = &octant.groups;
     let along = |axis: usize, i: usize| if octant.backwards[axis] { n - 1 - i } else { i };
@@ -74,6 +100,7 @@ fn any<T: Real, const DONOR: bool>(
     under_way.resize((n * n + n + 1) * groups.len(), dark);
     let (by_z, rest) = under_way.split_at_mut(n * n * groups.len());
     let (by_y, by_x) = rest.split_at_mut(n * groups.len());
+    let Got { arrived, receivers, received } = got;
     let sums = arrived.planes_mut();
     // From which cell on, in the order of the wind, the rows of the last slab may be lit.
     let mut slab_from = vec![n; n];
@@ -83,7 +110,7 @@ fn any<T: Real, const DONOR: bool>(
         for yi in 0..n {
             by_x.fill(dark);
             let by_z = &mut by_z[yi * n * groups.len()..][..n * groups.len()];
-            let lit = &lit[along(2, zi) * n + along(1, yi)];
+            let lit = &sent.lit[along(2, zi) * n + along(1, yi)];
             let own_from = match octant.backwards[0] {
                 false => lit.start,
                 true if lit.is_empty() => n,
@@ -94,16 +121,26 @@ fn any<T: Real, const DONOR: bool>(
             for xi in row_from..n {
                 let cell = [along(0, xi), along(1, yi), along(2, zi)];
                 let at = layout.index(cell);
-                let light = if lit.contains(&cell[0]) { injected.at(at) } else { Sh::ZERO };
-                let lit = !light.is_zero();
-                let passes = occluders
-                    .map_or([T::of(1.0); 3], |occluders| occluders.at(cell).map(|share| T::of(f64::from(share))));
+                let number = (cell[2] * n + cell[1]) * n + cell[0];
+                let light = if lit.contains(&cell[0]) { sent.cells.at(at) } else { Sh::ZERO };
+                let (lit, sides) = (!light.is_zero(), sent.surfaces.of(number));
+                let faces = receivers.of(number);
+                let [enters, exits] =
+                    occluders.map_or([[T::of(1.0); 3]; 2], |occluders| occluders.ends(cell, octant.backwards));
                 let ahead = xi * groups.len()..(xi + 1) * groups.len();
                 let under_way = by_x.iter_mut().zip(&mut by_y[ahead.clone()]).zip(&mut by_z[ahead]);
                 let mut sum = [dark; 4];
                 for (group, ((x, y), z)) in groups.iter().zip(under_way) {
-                    let sent = if lit { group.sent(light) } else { dark };
-                    [*x, *y, *z] = group.cross::<DONOR>([*x, *y, *z], sent, passes, &mut sum);
+                    let own = if lit { group.sent(light) } else { dark };
+                    let (came, mut free) = ([*x, *y, *z], [dark; 3]);
+                    let mut leaves = group.cross::<DONOR>(came, own, enters, &mut sum);
+                    group.leave(sides, &mut free, &mut leaves);
+                    receivers.receive(faces, octant.backwards, group, [&came, &leaves], received);
+                    for (axis, ahead) in [x, y, z].into_iter().enumerate() {
+                        for (l, ahead) in ahead.iter_mut().enumerate() {
+                            *ahead = leaves[axis][l] * exits[axis] + free[axis][l];
+                        }
+                    }
                 }
                 sums[0][at] += T::of(K0) * total(sum[0]);
                 for c in 1..4 {

@@ -37,7 +37,8 @@ pub fn controls(ui: &mut Ui, session: &Session, asks: &mut Asks) {
 fn choices(ui: &mut Ui, plots: &mut Plots, levels: usize) {
     let chosen = plots.metric;
     let choice = ComboBox::from_id_salt("metric").selected_text(chosen.name()).width(76.0).show_ui(ui, |ui| {
-        for metric in Expectation::ALL {
+        // What needs a truth of the mesh stands in the Picture workspace.
+        for metric in Expectation::ALL.into_iter().filter(|metric| !metric.needs_mesh()) {
             ui.selectable_value(&mut plots.metric, metric, metric.name()).on_hover_text(metric.summary());
         }
     });

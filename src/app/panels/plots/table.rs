@@ -78,6 +78,7 @@ mod tests {
             relative_max: 0.0,
             l1_ratio,
             l1_best_fit: None,
+            traced: None,
             undefined: 0,
         };
         let mut runs = ["far", "unknown", "near"].map(|name| Curves::new(name.to_owned(), 0));
