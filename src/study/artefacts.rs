@@ -14,7 +14,7 @@ mod nearest;
 use crate::field::{Cell, Layout, Marks};
 use crate::sh::Real;
 use crate::simulation::{Refusal, Simulation};
-use crate::study::light::Brightness;
+use crate::study::light::{Brightness, sampled};
 use crate::transport::kind::Precision;
 
 /// A share of the light of some cells, as it is seen and level by level.
@@ -48,16 +48,16 @@ pub struct Artefacts {
 }
 
 impl Artefacts {
-    /// Of a state that was reached from the injection by its problem's own iterations. The leak takes the same
-    /// iterations once more without occluders, the jump the fixed point of the uniform volume.
+    /// Of a state that was reached from the injection by its problem's own iterations, with what jumps are held
+    /// against. The leak takes the same iterations once more without occluders.
     ///
     /// # Errors
     /// Where memory is short.
-    pub fn of<T: Precision>(state: &Simulation<T>) -> Result<Self, Refusal> {
+    pub fn of<T: Precision>(state: &Simulation<T>, steady: Option<&jump::Steady>) -> Result<Self, Refusal> {
         Ok(Artefacts {
             leak: leak::of(state)?,
             back_bleeding: back_bleeding::of(state),
-            jump: jump::of(state)?,
+            jump: steady.and_then(|steady| steady.jump(state)),
             negative: negative(state),
         })
     }
@@ -65,13 +65,9 @@ impl Artefacts {
 
 /// Finest cells whose merged light is negative in any colour.
 pub fn negative<T: Real>(state: &Simulation<T>) -> usize {
-    let shares = state.channels().rgb();
+    let (shares, merged) = (state.channels().rgb(), sampled(state));
     let is_negative = |cell: &Cell| {
-        let level = state.index().index(*cell);
-        shares.iter().any(|share| {
-            let grid = state.lights()[share.channel].accumulated.level(level);
-            share.scale * grid.get(cell.map(|c| c >> level)).0[0].to_f64() < 0.0
-        })
+        shares.iter().any(|share| share.scale * merged[share.channel].get(*cell).0[0].to_f64() < 0.0)
     };
     Layout::new(state.sizes().finest()).cells().filter(is_negative).count()
 }
@@ -99,7 +95,8 @@ impl Region {
 
     /// The merged light of the finest cells.
     fn merged<T: Real>(&self, state: &Simulation<T>, brightness: &Brightness) -> f64 {
-        self.cells(0).map(|cell| brightness.sample(state, cell)).sum()
+        let (n, light) = (self.levels[0].side(), brightness.merged(state));
+        self.cells(0).map(|[x, y, z]| light[(z * n + y) * n + x]).sum()
     }
 
     /// The accumulated light of a level; `None` where it has no cell of the region.

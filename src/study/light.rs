@@ -1,7 +1,7 @@
 //! The light of a state as studies look at it: sampled in the finest cells, without what was injected, as one
 //! number a cell.
 
-use crate::field::{Cell, Channels, Grid, Layout};
+use crate::field::{Channels, Grid, Layout};
 use crate::scene::propagation::Snapshots;
 use crate::sh::{Real, Sh};
 use crate::simulation::Simulation;
@@ -72,10 +72,9 @@ impl Brightness {
         sums
     }
 
-    /// The brightness of the sample S(x, y, z) of the accumulated light at a finest cell, merged or not yet.
-    pub fn sample<T: Real>(&self, state: &Simulation<T>, cell: Cell) -> f64 {
-        let level = state.index().index(cell);
-        self.of(|channel| state.lights()[channel].accumulated.level(level).get(cell.map(|c| c >> level)))
+    /// The brightness of the merged light in every finest cell, merged or not yet, x fastest.
+    pub fn merged<T: Real>(&self, state: &Simulation<T>) -> Vec<f64> {
+        self.of_grids(&sampled(state))
     }
 }
 
@@ -119,6 +118,7 @@ pub fn in_colours<T: Real>(channels: &Channels, light: impl Fn(usize) -> Sh<T>) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::field::Cell;
 
     #[test]
     fn the_centroid_is_the_weighted_mean() {
