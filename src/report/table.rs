@@ -162,13 +162,19 @@ pub fn errors(rows: &[ErrorRow], jumps: &[(usize, Jump)]) -> Table<9> {
             row.undefined.into(),
         ]);
     }
-    let none = f64::NAN;
     for (iteration, jump) in jumps {
-        let [mean, max] = [jump.mean.into(), jump.max.into()];
-        let [relative_mean, relative_max, l1_ratio] = [none.into(), none.into(), none.into()];
-        let undefined = jump.undefined.into();
-        let (iteration, metric, level) = ((*iteration).into(), "jump".into(), "all".into());
-        table.push([iteration, metric, level, mean, max, relative_mean, relative_max, l1_ratio, undefined]);
+        table.push([
+            (*iteration).into(),
+            "jump".into(),
+            "all".into(),
+            jump.mean.into(),
+            jump.max.into(),
+            // A logarithm of ratios is relative as it is.
+            "".into(),
+            "".into(),
+            "".into(),
+            jump.undefined.into(),
+        ]);
     }
     table
 }
@@ -224,7 +230,7 @@ mod tests {
         let mut reader = csv::Reader::from_reader(file.as_slice());
         let records: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
         assert_eq!(records.len(), 3);
-        assert_eq!(records[2].iter().collect::<Vec<_>>(), ["12", "jump", "all", "0.25", "2", "", "", "", "1"]);
+        assert_eq!(records[2].iter().collect::<Vec<_>>(), ["12", "jump", "all", "0.25", "2.0", "", "", "", "1"]);
         for (record, row) in records.iter().zip(rows) {
             let number = |i: usize| record[i].parse::<f64>().unwrap();
             let level = row.level.map_or("all".to_owned(), |level| level.to_string());
