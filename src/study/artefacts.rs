@@ -66,9 +66,8 @@ impl Artefacts {
 /// Finest cells whose merged light is negative in any colour.
 pub fn negative<T: Real>(state: &Simulation<T>) -> usize {
     let (shares, merged) = (state.channels().rgb(), sampled(state));
-    let is_negative = |cell: &Cell| {
-        shares.iter().any(|share| share.scale * merged[share.channel].get(*cell).0[0].to_f64() < 0.0)
-    };
+    let is_negative =
+        |cell: &Cell| shares.iter().any(|share| share.scale * merged[share.channel].get(*cell).0[0].to_f64() < 0.0);
     Layout::new(state.sizes().finest()).cells().filter(is_negative).count()
 }
 
