@@ -191,7 +191,8 @@ fn flicker([s, u]: &[Vec<f64>; 2], [s_now, u_now]: &[Vec<f64>; 2], faint: f64) -
     [sum / seen.max(1) as f64, most]
 }
 
-/// A run whose frames start from what the one before has moved: B, without the injected light S, which has gone on.
+/// A run whose frames start from what the one before has moved: B, without the light S that stays where it is injected,
+/// which has gone on.
 struct Warm {
     iterations: usize,
     scales: Vec<f64>,
@@ -248,7 +249,7 @@ impl Warm {
             let mut merged = Grid::new(injected.side());
             descent.sample(0, problem.propagation.inside, grids.accumulated, &mut merged);
             let mut rest = merged.clone();
-            injected.iter().filter(|(_, l)| !l.is_zero()).for_each(|(cell, l)| rest.add(cell, l * -1.0));
+            descent.leave_moved(0, &mut rest);
             *moved = Some(rest);
             merged
         });
