@@ -156,12 +156,36 @@ fn one_level_has_no_jumps_and_the_thesis_s_octree_has() {
     assert!(walls("Consistent", 4) < walls("Same", 4));
 }
 
+/// A lobe in a volume of 32³ whose coarsest cells are eight wide, after four iterations of every level of a descent.
+fn descent(x: usize, inside: &str) -> String {
+    format!(
+        "(version: 1, size: 32, coarsest: 4, injectors: [(kind: Single(cell: ({x}, 16, 16)), direction: (0, 0, 1))],
+          propagation: (factor: 3.0, iterations: 4, descent: Leaves(distance: 2.0), inside: {inside}))"
+    )
+}
+
+#[test]
+fn a_descent_jumps_little_as_its_leaves_are_shown_and_much_if_they_are_flat() {
+    let of = |inside| jump::of(&run(&descent(16, inside))).unwrap().unwrap();
+    let (shown, flat) = (of("Exponential"), of("Constant"));
+    assert!(shown.mean <= 0.25 && flat.mean > 2.0 * shown.mean, "{shown:?}, {flat:?}");
+    assert_eq!((shown.pairs, shown.undefined), (flat.pairs, flat.undefined));
+}
+
+#[test]
+fn a_scene_that_is_moved_by_the_coarsest_cell_jumps_as_before() {
+    let of = |x| jump::of(&run(&descent(x, "Exponential"))).unwrap().unwrap();
+    let (here, there) = (of(8), of(16));
+    assert_eq!(here.pairs, there.pairs);
+    assert!((here.mean - there.mean).abs() < 1e-3 * here.mean, "{here:?}, {there:?}");
+}
+
 #[test]
 fn negative_light_is_counted() {
-    assert_eq!(Artefacts::of(&run(&lobe(4, 3.0))).unwrap().negative, 0);
+    assert_eq!(Artefacts::of(&run(&lobe(4, 3.0)), None).unwrap().negative, 0);
     // Without the clamp a lobe sends negative light backwards.
     let text = lobe(1, 3.0).replace("iterations: 1", "iterations: 1, clamp: false");
-    assert_eq!(Artefacts::of(&run(&text)).unwrap().negative, 1);
+    assert_eq!(Artefacts::of(&run(&text), None).unwrap().negative, 1);
 }
 
 #[test]

@@ -114,7 +114,7 @@ fn leaves_that_start_far_from_light_do_so_in_scenes_they_were_not_made_for() {
                 ["same", "descent-cells", "descent-leaves-2", "descent-leaves-3"].map(|way| of(&rows, way).converged);
             println!("p = {factor}: {errors:.3?}");
             let [same, cells, two, three] = errors;
-            assert!(three <= 0.07, "{factor}: {errors:?}");
+            assert!(two <= 0.13 && three <= 0.07, "{factor}: {errors:?}");
             assert!(2.0 * cells.max(two) < same, "{factor}: {errors:?}");
         }
     }
@@ -225,7 +225,8 @@ fn a_descent_can_be_stepped_and_shows_the_level_it_is_at() {
     assert_eq!(touched.len(), 13);
     let levels: Vec<usize> = touched[1..].iter().map(|(_, finest, _)| *finest).collect();
     assert_eq!(levels, [5, 5, 4, 4, 3, 3, 2, 2, 1, 1, 0, 0]);
-    assert_eq!(touched[12].2, 2 * 601);
+    // Leaves as far from the lobe's cell and its six neighbours, which have light after one step.
+    assert_eq!(touched[12].2, 2 * 1105);
     // Dark again, and the same once more.
     let once = simulation.lights()[0].merged.clone();
     simulation.run(|_| true);

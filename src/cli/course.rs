@@ -9,6 +9,7 @@ use super::console::say;
 use crate::report::number::plain;
 use crate::scene::Problem;
 use crate::simulation::Simulation;
+use crate::study::artefacts::jump::{Jump, Steady};
 use crate::study::error::ErrorRow;
 use crate::study::expectation::{Expectation, References};
 use crate::study::light;
@@ -18,6 +19,8 @@ use crate::system::{interrupt, memory};
 pub struct Course {
     /// Every error after every iteration.
     pub rows: Vec<ErrorRow>,
+    /// The jumps between levels after every iteration in which light is sampled on several.
+    pub jumps: Vec<(usize, Jump)>,
     /// Seconds that all actions took, measuring aside.
     pub seconds: f64,
     /// Whether Ctrl-C ended it early.
@@ -63,19 +66,25 @@ fn check_room(simulation: &Simulation<f32>) -> Result<(), CliError> {
 }
 
 /// Runs the scene, printing a line for every iteration. The light is held against every expectation that the
-/// references are ready for.
-pub fn run(simulation: &mut Simulation<f32>, references: &References) -> Result<Course, CliError> {
+/// references are ready for, and jumps against what they are given.
+pub fn run(
+    simulation: &mut Simulation<f32>,
+    references: &References,
+    steady: Option<&Steady>,
+) -> Result<Course, CliError> {
     check_room(simulation)?;
     let iterations = simulation.problem().actions();
     let bar = bar(iterations as u64, "{bar:40} iteration {pos} of {len}, {eta} left");
     say!("{}", LINE_HEAD);
-    let (mut rows, mut aside) = (Vec::new(), 0.0);
+    let (mut rows, mut jumps, mut aside) = (Vec::new(), Vec::new(), 0.0);
     let started = Instant::now();
     simulation.run(|now| {
         let began = Instant::now();
         let errors = measure(now, references);
         bar.suspend(|| say!("{}", line(now, &errors[0])));
         rows.extend(errors);
+        let jump = steady.and_then(|steady| steady.jump(now));
+        jumps.extend(jump.map(|jump| (now.iteration(), jump)));
         bar.set_position(now.iteration() as u64);
         aside += began.elapsed().as_secs_f64();
         !interrupt::asked()
@@ -83,7 +92,7 @@ pub fn run(simulation: &mut Simulation<f32>, references: &References) -> Result<
     bar.finish_and_clear();
     let seconds = started.elapsed().as_secs_f64() - aside;
     let interrupted = interrupt::asked() && simulation.iteration() < iterations;
-    Ok(Course { rows, seconds, interrupted })
+    Ok(Course { rows, jumps, seconds, interrupted })
 }
 
 /// The errors of the present iteration, the thesis's over all levels first.

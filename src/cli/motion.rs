@@ -17,7 +17,7 @@ use crate::report::raster;
 use crate::report::slice::{Axis, Plane, Slice};
 use crate::report::table::Table;
 use crate::scene::path::{Keyframe, Placing};
-use crate::study::motion::{self, Frame, MotionError, Setting};
+use crate::study::motion::{self, Frame, Means, MotionError, Setting};
 
 /// What moves, how it is run, where to write.
 #[derive(Args, Debug)]
@@ -42,6 +42,9 @@ pub struct MotionArgs {
     /// Start every frame from the light that the one before has moved
     #[arg(long)]
     warm: bool,
+    /// Frames at the start that the printed means leave out [default: 16 with --warm, else 0]
+    #[arg(long, value_name = "F")]
+    settle: Option<usize>,
     /// A cell whose light is told frame by frame; more than once for several
     #[arg(long, value_name = "X,Y,Z", value_parser = cell)]
     pin: Vec<PinArg>,
@@ -90,6 +93,13 @@ pub fn run(args: &MotionArgs) -> Result<(), CliError> {
     if let Some(PinArg([x, y, z])) = args.pin.iter().find(|PinArg(cell)| cell.iter().any(|c| *c >= n)) {
         return Err(CliError::Input(format!("--pin {x},{y},{z}: outside the volume; cells go from 0 to {}", n - 1)));
     }
+    let settle = args.settle.unwrap_or(if args.warm { motion::SETTLING } else { 0 });
+    if settle >= args.frames as usize {
+        return Err(CliError::Input(format!(
+            "{} frames: the first {settle} are left out of the means; use more --frames, or a smaller --settle",
+            args.frames
+        )));
+    }
     let moving = preset.injectors.iter().filter(|injector| injector.enabled);
     let paths: Vec<&[Keyframe]> = moving.map(|injector| injector.path.as_slice()).collect();
     if paths.iter().all(|path| path.is_empty()) {
@@ -137,13 +147,15 @@ pub fn run(args: &MotionArgs) -> Result<(), CliError> {
         let animation = apng::join(&pictures, (1000.0 / args.rate).round().clamp(1.0, 65_535.0) as u16);
         folder.write("animation.png", animation.map_err(|error| CliError::Failed(error.to_string()))?)?;
     }
-    let error = frames.iter().map(|frame| frame.error).sum::<f64>() / frames.len().max(1) as f64;
-    say!(
-        "{} frames: mean flicker {:.4}, mean L1 error {error:.4}; results in {}",
-        frames.len(),
-        motion::overall(&frames),
-        folder.path().display()
-    );
+    if let Some(Means { frames: counted, flicker, error }) = Means::of(&frames, settle) {
+        let flicker = flicker.map_or("-".to_owned(), |flicker| format!("{flicker:.4}"));
+        let over = if settle == 0 { String::new() } else { format!(", over the last {counted}") };
+        say!(
+            "{} frames{over}: mean flicker {flicker}, mean L1 error {error:.4}; results in {}",
+            frames.len(),
+            folder.path().display()
+        );
+    }
     folder.finish();
     Ok(())
 }

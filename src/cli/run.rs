@@ -20,6 +20,7 @@ use crate::report::slice::{Axis, Plane, Slice};
 use crate::report::table;
 use crate::simulation::options::{Options, Skip};
 use crate::simulation::{Light, Simulation};
+use crate::study::artefacts::jump::Steady;
 use crate::study::artefacts::{Artefacts, Shares};
 use crate::study::error::ErrorRow;
 use crate::study::expectation::Expectation;
@@ -244,10 +245,11 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let folder = Folder::of_preset(args.out.as_deref(), &args.scene.preset)?;
     interrupt::listen();
     let references = course::references(simulation.problem(), &wanted)?;
-    let Course { rows, seconds, interrupted } = course::run(&mut simulation, &references)?;
+    let steady = Steady::of(simulation.problem())?;
+    let Course { rows, jumps, seconds, interrupted } = course::run(&mut simulation, &references, steady.as_ref())?;
 
     let title = if preset.title.is_empty() { args.scene.stem() } else { preset.title.clone() };
-    folder.write_table("errors.csv", &table::errors(&rows))?;
+    folder.write_table("errors.csv", &table::errors(&rows, &jumps))?;
     if rows.iter().any(|row| row.traced.is_some()) {
         folder.write_table("truth.csv", &table::traced(&rows))?;
     }
@@ -272,7 +274,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
 
     // Of light that has diverged, or was left half way, nothing can be said.
     let whole = simulation.divergence().is_none() && !interrupted;
-    let artefacts = if whole { Artefacts::of(&simulation)? } else { Artefacts::default() };
+    let artefacts = if whole { Artefacts::of(&simulation, steady.as_ref())? } else { Artefacts::default() };
     let leak = artefacts.leak.clone().unwrap_or_default();
     let back_bleeding = artefacts.back_bleeding.clone().unwrap_or_default();
     let propagation = &simulation.problem().propagation;

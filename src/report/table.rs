@@ -3,6 +3,7 @@
 use std::io;
 
 use super::number::plain;
+use crate::study::artefacts::jump::Jump;
 use crate::study::error::ErrorRow;
 use crate::study::pareto;
 
@@ -134,8 +135,9 @@ impl<const N: usize> Table<N> {
     }
 }
 
-/// The errors of a run, as `errors.csv` has them; level is `all` or a number.
-pub fn errors(rows: &[ErrorRow]) -> Table<9> {
+/// The errors of a run, as `errors.csv` has them; level is `all` or a number. After them come the jumps between levels by
+/// iteration, under the metric `jump`: mean and largest as absolute, the pairs left out as undefined.
+pub fn errors(rows: &[ErrorRow], jumps: &[(usize, Jump)]) -> Table<9> {
     let mut table = Table::new([
         "iteration",
         "metric",
@@ -158,6 +160,20 @@ pub fn errors(rows: &[ErrorRow]) -> Table<9> {
             row.relative_max.into(),
             row.l1_ratio.into(),
             row.undefined.into(),
+        ]);
+    }
+    for (iteration, jump) in jumps {
+        table.push([
+            (*iteration).into(),
+            "jump".into(),
+            "all".into(),
+            jump.mean.into(),
+            jump.max.into(),
+            // A logarithm of ratios is relative as it is.
+            "".into(),
+            "".into(),
+            "".into(),
+            jump.undefined.into(),
         ]);
     }
     table
@@ -238,7 +254,8 @@ mod tests {
         };
         let rows = [row, ErrorRow { level: Some(3), l1_ratio: 0.5, ..row }];
         let mut file = Vec::new();
-        errors(&rows).write_csv(&mut file).unwrap();
+        let jump = Jump { mean: 0.25, max: 2.0, pairs: 3, undefined: 1 };
+        errors(&rows, &[(12, jump)]).write_csv(&mut file).unwrap();
         let first = std::str::from_utf8(&file).unwrap().lines().next().unwrap();
         assert_eq!(
             first,
@@ -246,7 +263,8 @@ mod tests {
         );
         let mut reader = csv::Reader::from_reader(file.as_slice());
         let records: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
-        assert_eq!(records.len(), 2);
+        assert_eq!(records.len(), 3);
+        assert_eq!(records[2].iter().collect::<Vec<_>>(), ["12", "jump", "all", "0.25", "2.0", "", "", "", "1"]);
         for (record, row) in records.iter().zip(rows) {
             let number = |i: usize| record[i].parse::<f64>().unwrap();
             let level = row.level.map_or("all".to_owned(), |level| level.to_string());

@@ -14,7 +14,7 @@ mod nearest;
 use crate::field::{Cell, Layout, Marks};
 use crate::sh::Real;
 use crate::simulation::{Refusal, Simulation};
-use crate::study::light::{self, Brightness};
+use crate::study::light::{Brightness, sampled};
 use crate::transport::kind::Precision;
 
 /// A share of the light of some cells, as it is seen and level by level.
@@ -48,16 +48,16 @@ pub struct Artefacts {
 }
 
 impl Artefacts {
-    /// Of a state that was reached from the injection by its problem's own iterations. The leak takes the same
-    /// iterations once more without occluders, the jump the fixed point of the uniform volume.
+    /// Of a state that was reached from the injection by its problem's own iterations, with what jumps are held
+    /// against. The leak takes the same iterations once more without occluders.
     ///
     /// # Errors
     /// Where memory is short.
-    pub fn of<T: Precision>(state: &Simulation<T>) -> Result<Self, Refusal> {
+    pub fn of<T: Precision>(state: &Simulation<T>, steady: Option<&jump::Steady>) -> Result<Self, Refusal> {
         Ok(Artefacts {
             leak: leak::of(state)?,
             back_bleeding: back_bleeding::of(state),
-            jump: jump::of(state)?,
+            jump: steady.and_then(|steady| steady.jump(state)),
             negative: negative(state),
         })
     }
@@ -65,7 +65,7 @@ impl Artefacts {
 
 /// Finest cells whose merged light is negative in any colour.
 pub fn negative<T: Real>(state: &Simulation<T>) -> usize {
-    let (shares, merged) = (state.channels().rgb(), light::sampled(state));
+    let (shares, merged) = (state.channels().rgb(), sampled(state));
     let is_negative =
         |cell: &Cell| shares.iter().any(|share| share.scale * merged[share.channel].get(*cell).0[0].to_f64() < 0.0);
     Layout::new(state.sizes().finest()).cells().filter(is_negative).count()
@@ -92,14 +92,10 @@ impl Region {
         Region { levels: all }
     }
 
-    /// What lies in the finest cells of the `merged` light, one number a cell, x fastest.
-    fn merged(&self, merged: &[f64]) -> f64 {
-        merged
-            .iter()
-            .zip(Layout::new(self.levels[0].side()).cells())
-            .filter(|(_, cell)| self.levels[0].get(*cell))
-            .map(|(light, _)| light)
-            .sum()
+    /// The merged light of the finest cells.
+    fn merged<T: Real>(&self, state: &Simulation<T>, brightness: &Brightness) -> f64 {
+        let (n, light) = (self.levels[0].side(), brightness.merged(state));
+        self.cells(0).map(|[x, y, z]| light[(z * n + y) * n + x]).sum()
     }
 
     /// The accumulated light of a level; `None` where it has no cell of the region.

@@ -13,6 +13,7 @@ use crate::scene::Problem;
 use crate::simulation::options::{Device, Options};
 use crate::simulation::{Action, Refusal, Simulation};
 use crate::study::artefacts::Artefacts;
+use crate::study::artefacts::jump::Steady;
 use crate::study::error::ErrorRow;
 use crate::study::expectation::{Expectation, References};
 use crate::study::light::{self, Brightness};
@@ -68,7 +69,7 @@ pub fn run(
     problem.propagation.scheme = scheme.to_owned();
     let places = Places::of(&problem);
     let anisotropy = probe::anisotropy(&problem.propagation)?;
-    let iterations = problem.propagation.iterations;
+    let iterations = problem.actions();
     let (mut simulation, not_there) =
         Simulation::<f32>::with_fallback(problem, Options { device, ..Options::default() })?;
     for action in [Action::Clear, Action::Inject, Action::Downsample] {
@@ -93,7 +94,7 @@ pub fn run(
     simulation.act(Action::Merge);
     let Some(held) = expectation.of(&simulation, references) else { return Ok(None) };
     let (Some(error), Some(fit)) = (held.rows().first().copied(), held.best_fit()) else { return Ok(None) };
-    let artefacts = Artefacts::of(&simulation)?;
+    let artefacts = Artefacts::of(&simulation, Steady::of(simulation.problem())?.as_ref())?;
 
     let (energy_left, side) = (light::energy_left(&simulation), simulation.sizes().finest());
     let mut converged = converged(&energies);

@@ -72,8 +72,8 @@ impl Brightness {
         sums
     }
 
-    /// The brightness of the merged light in every finest cell, merged or not yet, as its transport samples it.
-    pub fn of_merged<T: Real>(&self, state: &Simulation<T>) -> Vec<f64> {
+    /// The brightness of the merged light in every finest cell, merged or not yet, x fastest.
+    pub fn merged<T: Real>(&self, state: &Simulation<T>) -> Vec<f64> {
         self.of_grids(&sampled(state))
     }
 }

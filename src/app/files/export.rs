@@ -31,7 +31,7 @@ fn csv(runs: &[&Curves]) -> Result<String, Box<dyn Error>> {
     let fitted = runs.iter().flat_map(|run| &run.rows).any(|row| row.l1_best_fit.is_some());
     for (i, run) in runs.iter().enumerate() {
         let mut bytes = Vec::new();
-        table::errors(&run.rows).write_csv(&mut bytes)?;
+        table::errors(&run.rows, &[]).write_csv(&mut bytes)?;
         let mut rows = csv::ReaderBuilder::new().has_headers(false).from_reader(bytes.as_slice());
         for (line, row) in rows.records().enumerate().filter(|(line, _)| i == 0 || *line > 0) {
             let name = if line == 0 { "run" } else { run.name.as_str() };

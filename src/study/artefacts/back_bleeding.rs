@@ -32,9 +32,8 @@ pub fn of<T: Real>(state: &Simulation<T>) -> Option<Shares> {
     let before = Region::new(sides.before.clone(), &spoils(&sides.behind), levels);
     let brightness = Brightness::new(state.channels());
     let level = |level| share(behind.level(state, &brightness, level)?, before.level(state, &brightness, level)?);
-    let merged = brightness.of_merged(state);
     Some(Shares {
-        merged: share(behind.merged(&merged), before.merged(&merged)),
+        merged: share(behind.merged(state, &brightness), before.merged(state, &brightness)),
         levels: (0..levels).map(level).collect(),
     })
 }

@@ -51,8 +51,7 @@ pub fn of<T: Precision>(state: &Simulation<T>) -> Result<Option<Shares>, Refusal
     let region = Region::new(behind.cells, &behind.others, state.sizes().count());
     let free = without_occluders::<T>(problem, state.iteration())?;
     let brightness = [state, &free].map(|state| Brightness::new(state.channels()));
-    let [there, ought] = [brightness[0].of_merged(state), brightness[1].of_merged(&free)];
-    let merged = share(region.merged(&there), region.merged(&ought));
+    let merged = share(region.merged(state, &brightness[0]), region.merged(&free, &brightness[1]));
     let level = |level| {
         let here = region.level(state, &brightness[0], level)?;
         share(here, region.level(&free, &brightness[1], level)?)

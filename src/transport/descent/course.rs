@@ -107,7 +107,8 @@ impl<T: Real> Descent<T> {
 
     /// Takes up the light that level 0 of each channel holds, as injected.
     pub fn take_up(&mut self, injected: &[&Grid<T>]) {
-        let launch = Launch { form: &self.form, solids: self.solids.as_deref(), snapshots: self.snapshots };
+        let launch =
+            Launch { form: &self.form, solids: self.solids.as_deref(), snapshots: self.snapshots, tiling: self.tiling };
         let heads: Vec<FirstSteps<T>> =
             injected.iter().enumerate().map(|(colour, light)| launch.run(colour, light)).collect();
         let mut near = Marks::new(self.sizes.finest());
@@ -176,6 +177,15 @@ impl<T: Real> Descent<T> {
     pub fn put_back(&self, channel: usize, light: &mut Grid<T>) {
         let taken = self.channels.get(channel).map(|channel| channel.taken.iter());
         taken.into_iter().flatten().for_each(|(cell, value)| light.add(*cell, *value));
+    }
+
+    /// Takes from the merged light of a channel what stays where it is, so that B is left.
+    pub fn leave_moved(&self, channel: usize, merged: &mut Grid<T>) {
+        let stays = self.channels.get(channel).and_then(|channel| channel.injected.first());
+        let mut planes = merged.planes_mut();
+        for (at, light) in stays.into_iter().flatten() {
+            planes.iter_mut().zip(light.0).for_each(|(plane, c)| plane[*at] += -c);
+        }
     }
 
     /// Whether light was taken up.

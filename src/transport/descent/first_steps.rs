@@ -3,8 +3,15 @@
 //! What is solved for is linear, B = q + P·B. From lobes along the axes that holds after one step; oblique ones take up to
 //! four ([`crate::transport::lattice::kernel::form`] tells from the light itself). The steps before the last count as
 //! light that stays where it is, like the injected light: S + S_1 + … . Schemes whose clamp never ceases to act are
-//! given one step.
+//! given as few steps as may be.
+//!
+//! **Leaves** begin to coarsen beside the light, where it is steepest. Of a lone lobe they keep an error that no iteration
+//! mends: at p = 3.8 and r = 2 that is 0.13 of all light, and 0.23 where an oblique one sits in a corner (the formulas of
+//! [`crate::transport::lattice::exact`] in double precision, by another program, give 0.1280 and 0.2341). With a second
+//! step cell by cell, and leaves as far from where the first has been, it is 0.07 in both (0.0686 and 0.0745). That
+//! takes two more layers of finest cells; where whole walls are lit and little is to be gained they are not worth it.
 
+use super::partition::Tiling;
 use super::solids::Solids;
 use crate::field::{Cell, Grid, Marks};
 use crate::scene::propagation::Snapshots;
@@ -17,12 +24,17 @@ use crate::transport::lattice::kernel::{Instructions, Level, Order, lies_in_cone
 /// Steps after which what is left of clamps is left alone.
 const MOST_STEPS: usize = 4;
 
+/// Where one cell in so many is lit, or fewer, a second step over leaves costs little.
+const FEW: usize = 128;
+
 /// How injected light takes its first steps.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Launch<'a, T> {
     pub(super) form: &'a Form<T>,
     pub(super) solids: Option<&'a Solids<T>>,
     pub(super) snapshots: Snapshots,
+    /// What the volume is cut into.
+    pub(super) tiling: Tiling,
 }
 
 /// One channel's light after its first steps.
@@ -58,8 +70,10 @@ impl<T: Real> Launch<'_, T> {
         // Where the first iteration sends the light twice, all that has moved counts twice.
         let times = T::of(if self.snapshots == Snapshots::CopyFirst { 2.0 } else { 1.0 });
         let (mut moved, mut reached) = self.step(colour, &mut source, &lit);
-        for _ in 1..MOST_STEPS {
-            if self.is_linear(&moved, &reached) {
+        let few = matches!(self.tiling, Tiling::Leaves { .. }) && taken.len() * FEW <= n.pow(3);
+        let least = if few { 2 } else { 1 };
+        for steps in 1..MOST_STEPS {
+            if steps >= least && self.is_linear(&moved, &reached) {
                 break;
             }
             for cell in cells(&reached) {

@@ -31,7 +31,8 @@ pub fn scheme() -> Scheme {
         summary: "the value straight towards the neighbour, weighted by the shared face's solid angle",
         source: "the first light propagation volumes (002, N.5.4; 000, 4.1)",
         flaws: "light aslant is seen only by what it projects on the axes, so light prefers the axes; the \
-                clamp adds energy in every iteration",
+                clamp adds energy in every iteration, which exact levels and descents do not know of: from level 2 \
+                on converged exact levels are mostly farther off than consistent ones",
         faces: vec![Face::toward(DVec3::X, SHARED_FACE, true, DVec3::X)],
         surface: Surface::Blocked,
     }
