@@ -10,11 +10,12 @@
 //! | corrected | the accumulated light of a level | a uniform volume of the finest size, downsampled (000, 7) | from 1 on |
 //! | merged | the merged light | that uniform volume (000, 6.2) | no |
 //! | ballistic | the merged light that has moved, S_A − S_0 | what truly arrives along straight lines | no |
+//! | run | the merged light | that of another run of the same scene, after the same iterations | no |
 //!
 //! The thesis's says how much levels disagree, not which of them is right; corrected and merged what the octree
 //! costs; ballistic what the scheme costs. A uniform volume is one level of the finest size, propagated on its
 //! own. Every level of an octree is propagated by itself, so the octree's own finest level is that volume, and
-//! it costs nothing more. What truly arrives has to be computed before ([`References`]).
+//! it costs nothing more. What truly arrives has to be computed before, and another run is named ([`References`]).
 //!
 //! A new expectation is a variant here, its light in [`held`], and, where it needs more than the run itself, a
 //! field of [`References`].
@@ -27,6 +28,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::field::Grid;
 use crate::scene::Problem;
 use crate::sh::Real;
 use crate::simulation::Simulation;
@@ -47,6 +49,8 @@ pub enum Expectation {
     Merged,
     /// The merged light that has moved, S_A − S_0, with the flux that truly enters each cell along straight lines.
     Ballistic,
+    /// The merged light with that of another run of the same scene.
+    Run,
 }
 
 impl Expectation {
@@ -59,8 +63,8 @@ impl Expectation {
     ///     Expectation::ALL.into_iter().filter(|one| one.has_levels()).map(Expectation::name).collect();
     /// assert_eq!(with_levels, ["thesis", "corrected"]);
     /// ```
-    pub const ALL: [Expectation; 4] =
-        [Expectation::Thesis, Expectation::Corrected, Expectation::Merged, Expectation::Ballistic];
+    pub const ALL: [Expectation; 5] =
+        [Expectation::Thesis, Expectation::Corrected, Expectation::Merged, Expectation::Ballistic, Expectation::Run];
 
     /// Its name in files and on screen.
     pub fn name(self) -> &'static str {
@@ -69,6 +73,7 @@ impl Expectation {
             Expectation::Corrected => "corrected",
             Expectation::Merged => "merged",
             Expectation::Ballistic => "ballistic",
+            Expectation::Run => "run",
         }
     }
 
@@ -78,6 +83,7 @@ impl Expectation {
             Expectation::Thesis => "children",
             Expectation::Corrected | Expectation::Merged => "uniform",
             Expectation::Ballistic => "ballistic",
+            Expectation::Run => "run",
         }
     }
 
@@ -87,6 +93,7 @@ impl Expectation {
             Expectation::Thesis => "its children",
             Expectation::Corrected | Expectation::Merged => "a uniform volume",
             Expectation::Ballistic => "what truly arrives",
+            Expectation::Run => "another run",
         }
     }
 
@@ -97,6 +104,7 @@ impl Expectation {
             Expectation::Corrected => "Every level against a uniform volume, downsampled",
             Expectation::Merged => "The merged light against a uniform volume",
             Expectation::Ballistic => "The merged light that has moved against what truly arrives along straight lines",
+            Expectation::Run => "The merged light against that of another run, after the same iterations",
         }
     }
 
@@ -105,26 +113,31 @@ impl Expectation {
         matches!(self, Expectation::Thesis | Expectation::Corrected)
     }
 
-    /// Those that hold the merged light, one value a finest cell: what schemes are compared by.
+    /// Those that hold the merged light, one value a finest cell, against what the scene alone says: what schemes are
+    /// compared by.
     pub fn of_merged_light() -> impl Iterator<Item = Expectation> {
-        Self::ALL.into_iter().filter(|one| !one.has_levels())
+        Self::ALL.into_iter().filter(|one| !one.has_levels() && *one != Expectation::Run)
     }
 
     /// Whether errors are also told after the one scalar that fits best: where the expectation has a scale of its
     /// own, for renderers scale by taste.
     pub fn is_scaled_by_taste(self) -> bool {
-        self == Expectation::Ballistic
+        matches!(self, Expectation::Ballistic | Expectation::Run)
     }
 
     /// Whether all that it needs is there.
     pub fn is_ready(self, references: &References) -> bool {
-        self != Expectation::Ballistic || references.ballistic.is_some()
+        match self {
+            Expectation::Thesis | Expectation::Corrected | Expectation::Merged => true,
+            Expectation::Ballistic => references.ballistic.is_some(),
+            Expectation::Run => references.run.is_some(),
+        }
     }
 
-    /// Computes what it needs of a problem and is not there yet. `progress` hears of the share done, 0 to 1, from
+    /// Computes what it needs of a problem and is not there yet; another run is whoever's it is to name. `progress` hears of the share done, 0 to 1, from
     /// any thread, and returns whether to go on.
     pub fn prepare(self, problem: &Problem, references: &mut References, progress: &(dyn Fn(f64) -> bool + Sync)) {
-        if !self.is_ready(references) {
+        if self == Expectation::Ballistic && references.ballistic.is_none() {
             references.ballistic = Ballistic::new(problem, progress).map(Arc::new);
         }
     }
@@ -170,11 +183,14 @@ impl fmt::Display for Expectation {
 pub struct References {
     /// What truly arrives along straight lines.
     pub ballistic: Option<Arc<Ballistic>>,
+    /// The merged light of another run after the same iterations, a grid for each channel.
+    pub run: Option<Arc<[Grid<f32>]>>,
 }
 
 impl References {
-    /// Drops what is not of `problem`.
+    /// Drops what is not of `problem`, and the other run, of which that is not known.
     pub fn turn_to(&mut self, problem: &Problem) {
+        self.run = None;
         self.ballistic.take_if(|ballistic| !ballistic.is_of(problem));
     }
 }
