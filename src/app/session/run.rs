@@ -119,6 +119,11 @@ impl Run {
         self.waiting = self.waiting.or(Some(f64::NAN));
     }
 
+    /// The preset that runs.
+    pub fn preset(&self) -> &Preset {
+        &self.ran
+    }
+
     /// Whether the results are of another preset than this one.
     pub fn differs(&self, preset: &Preset) -> bool {
         essence(preset) != essence(&self.ran)
