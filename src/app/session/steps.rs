@@ -134,10 +134,10 @@ impl Session {
         }
     }
 
-    /// Runs the scene as edited, as far as the present run has come.
+    /// Runs the scene as edited, as far as the present run has come, or is to come while it is under way.
     pub(super) fn run_again(&mut self) {
-        let Progress { iteration, merged, .. } = self.run.progress;
-        self.load(Start::To { iteration, merge: merged });
+        let Progress { iteration, until, merged, .. } = self.run.progress;
+        self.load(Start::To { iteration: until.unwrap_or(iteration), merge: merged });
     }
 
     /// Has a graphics card iterate from now on, or the processor, and runs again.

@@ -1,6 +1,6 @@
 //! The runs beside their curves, the best first: what the curves say at the iteration that is seen, in numbers.
 
-use egui::{Align, Grid, RichText, ScrollArea, Sense, Ui, vec2};
+use egui::{Align, Grid, Layout, RichText, ScrollArea, Sense, Ui, vec2};
 
 use crate::app::draw::ink::color;
 use crate::app::session::Session;
@@ -12,7 +12,10 @@ use crate::study::error::ErrorRow;
 use crate::study::expectation::Expectation;
 
 /// How wide the table is, in points.
-pub const WIDTH: f32 = 392.0;
+pub const WIDTH: f32 = 348.0;
+
+/// The room for a run's name, in points.
+const NAME: f32 = 104.0;
 
 /// What the columns tell, and what that means.
 const COLUMNS: [(&str, &str); 7] = [
@@ -21,7 +24,7 @@ const COLUMNS: [(&str, &str); 7] = [
     ("L1", "Σ|O − Ô| / Σ|Ô|"),
     ("best fit", "The L1 ratio after the one scalar that fits best"),
     ("leak", "Light behind occluders over light there without them: 0 behind a wall that holds all back"),
-    ("jump", "Where levels meet, the mean of |ln(S/S′) − ln(U/U′)| with U the uniform volume's: 0 is no jump"),
+    ("jump", "Where levels meet, the mean of |ln(S/S') − ln(U/U')| with U the uniform volume's: 0 is no jump"),
     ("ms", "An iteration takes this long, in the median of this run"),
 ];
 
@@ -42,7 +45,7 @@ pub fn ui(ui: &mut Ui, session: &Session, theme: &Theme) {
     let lines = ranked(lines(session));
     let summary = session.metric().summary();
     ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
-        Grid::new("ranked runs").num_columns(COLUMNS.len()).spacing([8.0, 2.0]).striped(true).show(ui, |ui| {
+        Grid::new("ranked runs").num_columns(COLUMNS.len()).spacing([7.0, 2.0]).striped(true).show(ui, |ui| {
             for (name, about) in COLUMNS {
                 let about = if name == "L1" { format!("{about}. {summary}") } else { about.to_owned() };
                 ui.small(name).on_hover_text(about);
@@ -67,8 +70,13 @@ fn told(ui: &mut Ui, line: &Line, place: usize, theme: &Theme) {
     let (dot, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
     ui.painter().circle_filled(dot.center(), 4.0, color(theme.curve(run.color)));
     let mark = if star { "★ " } else { "" };
-    let text = egui::Label::new(RichText::new(format!("{mark}{}", run.name)).small()).truncate().halign(Align::LEFT);
-    let label = ui.add_sized([118.0, 14.0], text).on_hover_text(&run.name);
+    let text = egui::Label::new(RichText::new(format!("{mark}{}", run.name)).small()).truncate();
+    let left = Layout::left_to_right(Align::Center);
+    let label = ui.allocate_ui_with_layout(vec2(NAME, 14.0), left, |ui| {
+        ui.set_width(NAME);
+        ui.add(text)
+    });
+    let label = label.inner.on_hover_text(&run.name);
     let told = if star { format!("Star: {}", run.name) } else { format!("Rank {place}: {}", run.name) };
     label.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ListItem, true, &told));
     // The name of the run stands beside each number, for those who do not see the row.
@@ -78,8 +86,8 @@ fn told(ui: &mut Ui, line: &Line, place: usize, theme: &Theme) {
     };
     cell(ui, 2, number(row.map(|row| row.l1_ratio)));
     cell(ui, 3, number(row.and_then(|row| row.l1_best_fit)));
-    cell(ui, 4, number(flaws.and_then(|flaws| flaws.leak)));
-    cell(ui, 5, number(flaws.and_then(|flaws| flaws.jump)));
+    cell(ui, 4, share(flaws.and_then(|flaws| flaws.leak)));
+    cell(ui, 5, share(flaws.and_then(|flaws| flaws.jump)));
     cell(ui, 6, run.milliseconds().map_or("–".to_owned(), |ms| format!("{ms:.2}")));
 }
 
@@ -103,6 +111,11 @@ fn ranked(mut lines: Vec<Line>) -> Vec<Line> {
     let l1 = |line: &Line| line.row.map_or(f64::INFINITY, |row| row.l1_ratio);
     lines.sort_by(|a, b| b.star.cmp(&a.star).then(l1(a).total_cmp(&l1(b))));
     lines
+}
+
+/// A number of which three digits tell all that there is to compare.
+fn share(value: Option<f64>) -> String {
+    value.filter(|value| value.is_finite()).map_or_else(|| "–".to_owned(), |value| format!("{value:.3}"))
 }
 
 fn number(value: Option<f64>) -> String {
