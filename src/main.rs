@@ -10,8 +10,8 @@ use lpv_lab::cli::{self, Cli, CliError, Opened, RunArgs, console};
 use lpv_lab::system::memory;
 use lpv_lab::transport::team;
 
-/// The built-in preset that is opened when none is named.
-const DEFAULT_PRESET: &str = "two-walls";
+/// The built-in preset that is opened when none is named: a single lobe in few cells, so that each is seen.
+const DEFAULT_PRESET: &str = "level-jump";
 
 fn main() -> ExitCode {
     env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("error")).init();

@@ -40,7 +40,8 @@ use self::run::Run;
 use self::settings::Settings;
 use self::sight::Sight;
 use super::worker::{News, Order, Progress, Start};
-use crate::scene::{Preset, builtin};
+use crate::scene::doubts::doubts;
+use crate::scene::{Preset, Problem, builtin};
 use crate::simulation::Action;
 use crate::transport::preset;
 
@@ -87,6 +88,8 @@ pub struct Session {
     pub guide: Option<String>,
     /// What is to be said, until it is dismissed.
     pub notice: Option<Notice>,
+    /// What is to be doubted in the preset that runs.
+    doubts: Vec<String>,
     /// What was said so far, the latest last.
     pub messages: Vec<Notice>,
 }
@@ -109,6 +112,7 @@ impl Session {
             placing: None,
             guide,
             notice: None,
+            doubts: Vec::new(),
             messages: Vec::new(),
         };
         session.begin();
@@ -123,7 +127,10 @@ impl Session {
 
     fn hear(&mut self, news: News) {
         match news {
-            News::Loaded(problem) => self.run.problem = Some(problem),
+            News::Loaded(problem) => {
+                self.doubt(&problem);
+                self.run.problem = Some(problem);
+            }
             News::NotThere(why) => {
                 self.settings.on_card = false;
                 self.say(format!("The processor computes: {why}"));
@@ -165,6 +172,13 @@ impl Session {
                 self.fail(line);
             }
         }
+    }
+
+    /// Tells what the preset that runs may say and hardly means; what was told already is not told again.
+    fn doubt(&mut self, problem: &Problem) {
+        let doubts: Vec<String> = doubts(self.run.preset(), problem).iter().map(ToString::to_string).collect();
+        let before = std::mem::replace(&mut self.doubts, doubts.clone());
+        doubts.iter().filter(|line| !before.contains(line)).for_each(|line| self.say(format!("⚠ {line}")));
     }
 
     /// Moves on by a frame: plays, runs edits again, and asks for what is to be seen and found out.

@@ -84,8 +84,10 @@ pub enum Order {
     Pin(Option<Pin>),
     /// Use this much memory, in bytes, for the past.
     Budget(usize),
-    /// Measure by this metric before others, the past as well.
-    Measure(Option<Expectation>),
+    /// Measure by this metric before others, the past as well; errors against a run are against this track.
+    Measure(Option<Expectation>, usize),
+    /// Drop all tracks but the document's own.
+    Alone,
     /// What truly arrives, to measure against; or no longer.
     Truth(Option<Arc<Ballistic>>),
     /// Break down, so that tests see what becomes of the window.

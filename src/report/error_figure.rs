@@ -6,6 +6,15 @@ use super::plot::{Curve, Dash, Figure, Mark, Plot};
 use crate::study::error::ErrorRow;
 use crate::study::expectation::Expectation;
 
+/// The largest relative error that is drawn. Above it light is next to nothing where some is expected: the number says how
+/// early a front arrives, and an axis that reaches it shows nothing else.
+pub const LARGEST_RELATIVE: f64 = 1e3;
+
+/// A relative error as it is drawn.
+fn drawn_relative(error: f64) -> f64 {
+    if error <= LARGEST_RELATIVE { error } else { f64::NAN }
+}
+
 /// The errors that share a plot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Measure {
@@ -66,14 +75,34 @@ impl Measure {
             Measure::Absolute => {
                 [quantity("mean", |row| row.absolute_mean, false), quantity("largest", |row| row.absolute_max, true)]
             }
-            Measure::Relative => {
-                [quantity("mean", |row| row.relative_mean, false), quantity("largest", |row| row.relative_max, true)]
-            }
+            Measure::Relative => [
+                quantity("mean", |row| drawn_relative(row.relative_mean), false),
+                quantity("largest", |row| drawn_relative(row.relative_max), true),
+            ],
             Measure::L1 => [
                 quantity("as it is", |row| row.l1_ratio, false),
                 quantity("best fit", |row| row.l1_best_fit.unwrap_or(f64::NAN), true),
             ],
         }
+    }
+
+    /// What its plot leaves out of these rows, in words; `None` where that is nothing.
+    pub fn left_out<'a>(self, rows: impl IntoIterator<Item = &'a ErrorRow>) -> Option<String> {
+        if self != Measure::Relative {
+            return None;
+        }
+        let (mut undefined, mut beyond) = (0, 0);
+        for row in rows {
+            undefined = undefined.max(row.undefined);
+            beyond +=
+                [row.relative_mean, row.relative_max].iter().filter(|error| drawn_relative(**error).is_nan()).count();
+        }
+        let cells = if undefined == 1 { "cell" } else { "cells" };
+        let undefined = (undefined > 0).then(|| format!("up to {undefined} {cells} undefined and left out"));
+        let values = if beyond == 1 { "value" } else { "values" };
+        let beyond = (beyond > 0).then(|| format!("{beyond} {values} above {LARGEST_RELATIVE} not drawn"));
+        let parts: Vec<String> = undefined.into_iter().chain(beyond).collect();
+        (!parts.is_empty()).then(|| parts.join("; "))
     }
 }
 
@@ -213,12 +242,9 @@ impl ErrorFigure<'_> {
                 title += &format!(", {}", level_name(first.level));
             }
         }
-        match rows().map(|row| row.undefined).max() {
-            Some(undefined) if undefined > 0 && measure == Measure::Relative => {
-                let cells = if undefined == 1 { "cell" } else { "cells" };
-                format!("{title} (up to {undefined} {cells} undefined and left out)")
-            }
-            _ => title,
+        match measure.left_out(rows()) {
+            Some(left_out) => format!("{title} ({left_out})"),
+            None => title,
         }
     }
 }
@@ -287,6 +313,17 @@ mod tests {
         let [plot] = figure.plots.as_slice() else { panic!("one plot") };
         assert_eq!(plot.curves.iter().map(|c| (c.name.as_str(), c.color)).collect::<Vec<_>>(), [("mean", 0)]);
         assert_eq!(plot.title, "Relative error, thesis, all levels (up to 1 cell undefined and left out)");
+    }
+
+    #[test]
+    fn relative_errors_of_next_to_no_light_are_told_and_do_not_stretch_the_axis() {
+        let rows = [row(1, None, 0), ErrorRow { relative_mean: 1e3, relative_max: 1e14, ..row(2, None, 0) }];
+        let series = [Series { name: "A".to_owned(), rows: rows.to_vec(), color: 0 }];
+        let figure = of(&series, &[Measure::Relative]).figure();
+        let largest =
+            figure.plots[0].curves.iter().flat_map(|curve| &curve.points).map(|[_, y]| *y).fold(0.0, f64::max);
+        assert_eq!(largest, 1e3);
+        assert!(figure.plots[0].title.ends_with("(1 value above 1000 not drawn)"), "{}", figure.plots[0].title);
     }
 
     #[test]

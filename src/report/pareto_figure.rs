@@ -130,6 +130,7 @@ mod tests {
             size: 32,
             iterations: 4,
             seconds,
+            spread: [seconds; 2],
             expectation: Expectation::Ballistic,
             l1: BestFit { raw: 2.0 * fitted, fitted, scale: 1.0 },
         }

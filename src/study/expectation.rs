@@ -12,12 +12,13 @@
 //! | ballistic | the merged light that has moved, S_A − S_0 | what truly arrives along straight lines | no |
 //! | surface | the light on a mesh's surfaces | what truly reaches them after one bounce, path traced | no |
 //! | picture | what the scene's camera sees | the path-traced picture of one bounce | no |
+//! | run | the merged light | that of another run of the same scene, after the same iterations | no |
 //!
 //! The thesis's says how much levels disagree, not which of them is right; corrected and merged what the octree
 //! costs; ballistic what the scheme costs; surface and picture what of all that somebody sees, and whose truth has an
 //! error bar of its own ([`error::Traced`]). A uniform volume is one level of the finest size, propagated on its
 //! own. Every level of an octree is propagated by itself, so the octree's own finest level is that volume, and
-//! it costs nothing more. What truly arrives has to be computed before ([`References`]).
+//! it costs nothing more. What truly arrives has to be computed before, and another run is named ([`References`]).
 //!
 //! A new expectation is a variant here, its light in [`held`], and, where it needs more than the run itself, a
 //! field of [`References`].
@@ -31,6 +32,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::field::Grid;
 use crate::render::stage::Set;
 use crate::scene::Problem;
 use crate::sh::Real;
@@ -57,6 +59,8 @@ pub enum Expectation {
     Surface,
     /// What the scene's camera sees with its path-traced picture.
     Picture,
+    /// The merged light with that of another run of the same scene.
+    Run,
 }
 
 impl Expectation {
@@ -69,13 +73,14 @@ impl Expectation {
     ///     Expectation::ALL.into_iter().filter(|one| one.has_levels()).map(Expectation::name).collect();
     /// assert_eq!(with_levels, ["thesis", "corrected"]);
     /// ```
-    pub const ALL: [Expectation; 6] = [
+    pub const ALL: [Expectation; 7] = [
         Expectation::Thesis,
         Expectation::Corrected,
         Expectation::Merged,
         Expectation::Ballistic,
         Expectation::Surface,
         Expectation::Picture,
+        Expectation::Run,
     ];
 
     /// Its name in files and on screen.
@@ -87,6 +92,7 @@ impl Expectation {
             Expectation::Ballistic => "ballistic",
             Expectation::Surface => "surface",
             Expectation::Picture => "picture",
+            Expectation::Run => "run",
         }
     }
 
@@ -98,6 +104,7 @@ impl Expectation {
             Expectation::Ballistic => "ballistic",
             Expectation::Surface => "surface",
             Expectation::Picture => "picture",
+            Expectation::Run => "run",
         }
     }
 
@@ -109,6 +116,7 @@ impl Expectation {
             Expectation::Ballistic => "what truly arrives",
             Expectation::Surface => "what truly reaches surfaces",
             Expectation::Picture => "the path-traced picture",
+            Expectation::Run => "another run",
         }
     }
 
@@ -121,6 +129,7 @@ impl Expectation {
             Expectation::Ballistic => "The merged light that has moved against what truly arrives along straight lines",
             Expectation::Surface => "The light on surfaces against what truly reaches them after one bounce",
             Expectation::Picture => "What the scene's camera sees against the path-traced picture of one bounce",
+            Expectation::Run => "The merged light against that of another run, after the same iterations",
         }
     }
 
@@ -129,15 +138,15 @@ impl Expectation {
         matches!(self, Expectation::Thesis | Expectation::Corrected)
     }
 
-    /// Those that hold what is made of the merged light: what schemes are compared by.
+    /// Those that hold what is made of the merged light against what the scene alone says: what schemes are compared by.
     pub fn of_merged_light() -> impl Iterator<Item = Expectation> {
-        Self::ALL.into_iter().filter(|one| !one.has_levels())
+        Self::ALL.into_iter().filter(|one| !one.has_levels() && *one != Expectation::Run)
     }
 
     /// Whether errors are also told after the one scalar that fits best: where the expectation has a scale of its
     /// own, for renderers scale by taste.
     pub fn is_scaled_by_taste(self) -> bool {
-        self == Expectation::Ballistic || self.needs_mesh()
+        matches!(self, Expectation::Ballistic | Expectation::Run) || self.needs_mesh()
     }
 
     /// Whether it is about the surfaces of a scene's mesh, and so is never ready for a scene without one.
@@ -160,17 +169,18 @@ impl Expectation {
             Expectation::Ballistic => references.ballistic.is_some(),
             Expectation::Surface => references.surface.is_some(),
             Expectation::Picture => references.picture.is_some(),
+            Expectation::Run => references.run.is_some(),
         }
     }
 
-    /// Computes what it needs of a problem and is not there yet. `progress` hears of the share done, 0 to 1, from
+    /// Computes what it needs of a problem and is not there yet; another run is whoever's it is to name. `progress` hears of the share done, 0 to 1, from
     /// any thread, and returns whether to go on.
     pub fn prepare(self, problem: &Problem, references: &mut References, progress: &(dyn Fn(f64) -> bool + Sync)) {
         if self.is_ready(references) {
             return;
         }
         match self {
-            Expectation::Thesis | Expectation::Corrected | Expectation::Merged => (),
+            Expectation::Thesis | Expectation::Corrected | Expectation::Merged | Expectation::Run => (),
             Expectation::Ballistic => references.ballistic = Ballistic::new(problem, progress).map(Arc::new),
             Expectation::Surface => references.surface = SurfaceTruth::of(problem, progress),
             Expectation::Picture => references.picture = PictureTruth::of(problem, progress),
@@ -222,11 +232,14 @@ pub struct References {
     pub surface: Option<Arc<SurfaceTruth>>,
     /// What its camera truly sees.
     pub picture: Option<Arc<PictureTruth>>,
+    /// The merged light of another run after the same iterations, a grid for each channel.
+    pub run: Option<Arc<[Grid<f32>]>>,
 }
 
 impl References {
-    /// Drops what is not of `problem`.
+    /// Drops what is not of `problem`, and the other run, of which that is not known.
     pub fn turn_to(&mut self, problem: &Problem) {
+        self.run = None;
         self.ballistic.take_if(|ballistic| !ballistic.is_of(problem));
         self.surface.take_if(|surface| !surface.is_of(problem));
         self.picture.take_if(|picture| !picture.is_of(problem));

@@ -70,8 +70,10 @@ pub struct Row {
     pub size: usize,
     /// Iterations, or sweeps of what finds all light at once.
     pub iterations: usize,
-    /// From injection to merged light.
+    /// From injection to merged light, in the median of the rounds.
     pub seconds: f64,
+    /// The same in the fastest and in the slowest round.
+    pub spread: [f64; 2],
     /// [`Expectation::Merged`], the uniform volume being at its fixed point, or [`Expectation::Ballistic`].
     pub expectation: Expectation,
     /// The error as it is, and after the scalar that fits best.
@@ -79,6 +81,11 @@ pub struct Row {
 }
 
 impl Row {
+    /// Its setting in a few words: scheme, iterations, factor.
+    pub fn setting(&self) -> String {
+        format!("{}, k = {}, p = {}", self.name(), self.iterations, self.propagation.factor)
+    }
+
     /// The setting's name in tables, as its kind has it.
     pub fn name(&self) -> String {
         transport::find(self.scheme).map_or_else(String::new, |kind| (kind.label)(&self.propagation))
@@ -102,6 +109,7 @@ impl Row {
 ///     size: 32,
 ///     iterations: 4,
 ///     seconds,
+///     spread: [seconds; 2],
 ///     expectation: Expectation::Merged,
 ///     l1: BestFit { raw: error, fitted: error, scale: 1.0 },
 /// };
@@ -185,6 +193,7 @@ pub fn measure_against(
     for ((way, outcome), mut times) in ways.iter().zip(&outcomes).zip(times) {
         times.sort_by(f64::total_cmp);
         let seconds = times.get(times.len() / 2).copied().unwrap_or_default();
+        let spread = [times.first(), times.last()].map(|time| time.copied().unwrap_or(seconds));
         let row = |expectation, l1| Row {
             preset: name.to_owned(),
             scheme: way.kind().name,
@@ -193,6 +202,7 @@ pub fn measure_against(
             size: problem.size,
             iterations: outcome.iterations,
             seconds,
+            spread,
             expectation,
             l1,
         };
@@ -228,6 +238,7 @@ mod tests {
         assert_eq!(consistent.len(), way::ITERATIONS.len());
         assert!(of(Treatment::Converged, Expectation::Merged)[1].l1.raw < 1e-3);
         assert!(rows.iter().all(|row| row.l1.fitted <= row.l1.raw));
+        assert!(rows.iter().all(|row| row.spread[0] <= row.seconds && row.seconds <= row.spread[1]));
         let directed = |row: &&Row| transport::find(row.scheme).is_some_and(|kind| !kind.can.levels);
         assert!(rows.iter().filter(directed).all(|row| row.expectation == Expectation::Ballistic));
     }
@@ -255,6 +266,7 @@ mod tests {
             size: 8,
             iterations: 1,
             seconds,
+            spread: [seconds; 2],
             expectation: Expectation::Merged,
             l1: BestFit { raw: fitted, fitted, scale: 1.0 },
         };

@@ -83,3 +83,40 @@ fn small_volumes_run_again_after_every_edit_unless_that_is_switched_off() {
     click(&mut harness, "Delete injector 2");
     assert!(lab(&harness).is_stale());
 }
+
+#[test]
+fn a_rectangle_of_light_and_a_block_are_dragged_out() {
+    let mut harness = window(SMALL);
+    let drag_out = |harness: &mut Window, from: egui::Pos2, to: egui::Pos2| {
+        harness.hover_at(from);
+        harness.drag_at(from);
+        harness.hover_at(from.lerp(to, 0.5));
+        harness.hover_at(to);
+        harness.run_steps(2);
+        harness.drop_at(to);
+        settle(harness);
+    };
+    click(&mut harness, "Add light");
+    let [from, to] = [cell(&harness, 5.0, 6.0), cell(&harness, 1.0, 2.0)];
+    drag_out(&mut harness, from, to);
+    let rectangle = InjectorKind::Rectangle { from: [1, 2, 4], to: [5, 6, 4] };
+    assert_eq!(lab(&harness).preset().injectors[1].kind, rectangle);
+    click(&mut harness, "Add occluder");
+    // Beyond the view's edge its last cells are meant.
+    let [from, to] = [cell(&harness, 6.0, 1.0), cell(&harness, 7.0, -3.0)];
+    drag_out(&mut harness, from, to);
+    let block = OccluderKind::Box { from: [6, 0, 4], to: [7, 1, 4] };
+    assert_eq!(lab(&harness).preset().occluders.iter().map(|one| &one.kind).collect::<Vec<_>>(), [&block]);
+    assert_eq!(lab(&harness).preset().injectors.len(), 2);
+}
+
+#[test]
+fn the_steps_of_an_iteration_are_told_between_the_views_and_doubts_at_the_foot() {
+    let mut harness = window(SMALL);
+    harness.get_by_label_contains("Source to target: ");
+    harness.get_by_label_contains("Plus accumulated: ");
+    assert!(harness.query_by_label_contains("⚠").is_none());
+    click(&mut harness, "Delete injector 1");
+    click(&mut harness, "Run again");
+    harness.get_by_label_contains("there is no light");
+}

@@ -108,6 +108,9 @@ pub fn answer(harness: &mut Window, path: &Path, confirm: &str) {
     harness.run_steps(2);
     harness.get_by_role_and_label(Role::TextInput, "File").type_text(path.to_str().unwrap());
     harness.run_steps(2);
+    // What the field had before would be written into the working directory.
+    let typed = harness.get_by_role_and_label(Role::TextInput, "File").value();
+    assert_eq!(typed.as_deref(), path.to_str());
     harness.get_by_role_and_label(Role::Button, confirm).click();
     settle(harness);
 }

@@ -168,6 +168,12 @@ fn what_was_skipped_is_told() {
 fn the_legend_switches_curves() {
     let mut harness = window(SMALL);
     click(&mut harness, "Run all");
+    // One plot at first, of what the light is off in all; others are a click away.
+    harness.get_by_label("L1 ratio");
+    assert!(harness.query_by_label("Absolute error").is_none());
+    for entry in ["Curves", "Absolute error", "Relative error"] {
+        click(&mut harness, entry);
+    }
     let drawn = |harness: &Window| {
         let entries = harness.get_all_by_role_and_label(egui::accesskit::Role::CheckBox, "largest");
         entries.map(|entry| entry.accesskit_node().toggled()).collect::<Vec<_>>()

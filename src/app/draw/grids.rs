@@ -71,8 +71,29 @@ pub struct Manner<'a> {
     pub paint: Paint,
     /// Rectangles to frame.
     pub marks: &'a [Mark],
-    /// What stands between neighbouring views in a row, from the left.
-    pub between: &'a [&'a str],
+    /// What stands between neighbouring views in a row, from the left: a sign, and a sentence that says what it means.
+    pub between: &'a [(&'a str, &'a str)],
+    /// Whether dragging marks cells; else it moves the slice.
+    pub marks_cells: bool,
+}
+
+/// Cells of a view that the pointer marks by being dragged over them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// The view, from the left.
+    pub pane: usize,
+    /// Where the pointer was pressed, and where it is: finest cells, (column, row).
+    pub ends: [[usize; 2]; 2],
+    /// Whether it has just been let go.
+    pub done: bool,
+}
+
+impl Span {
+    /// Its lower left and upper right cells.
+    pub fn corners(&self) -> [[usize; 2]; 2] {
+        let [a, b] = self.ends;
+        [[a[0].min(b[0]), a[1].min(b[1])], [a[0].max(b[0]), a[1].max(b[1])]]
+    }
 }
 
 /// What the pointer does in a view.
@@ -95,6 +116,8 @@ pub struct Grids {
     drawn: Vec<Option<(Key, [Arc<Mesh>; 2])>>,
     /// Where the views were drawn last.
     placings: Vec<Placing>,
+    /// The cells that are being marked.
+    span: Option<Span>,
     /// The shapes of small glyphs, once there is something to draw.
     sprites: Option<TextureHandle>,
 }
@@ -110,6 +133,11 @@ impl Grids {
         &self.placings
     }
 
+    /// The cells that are being marked, or have just been.
+    pub fn span(&self) -> Option<Span> {
+        self.span
+    }
+
     /// Forgets what was drawn.
     pub fn redraw(&mut self) {
         self.drawn.clear();
@@ -122,6 +150,7 @@ impl Grids {
         self.cameras.resize(shown.len(), Camera::default());
         self.drawn.resize(shown.len(), None);
         self.placings.clear();
+        self.span.take_if(|span| span.done || !manner.marks_cells);
         let gap = 10.0;
         let (columns, side) = arrange(room.size(), shown.len(), gap);
         let rows = shown.len().div_ceil(columns.max(1));
@@ -136,10 +165,13 @@ impl Grids {
             let at = corner + vec2((i % columns) as f32, (i / columns) as f32) * (block + Vec2::splat(gap));
             let rect = Rect::from_min_size((at + vec2(MARGIN, TITLE)).round(), Vec2::splat(side.floor()));
             pointed = self.pane(ui, i, rect, shown, &titles[i], manner).or(pointed);
-            if let (Some(sign), false) = (manner.between.get(i), (i + 1) % columns == 0) {
+            if let (Some((sign, about)), false) = (manner.between.get(i), (i + 1) % columns == 0) {
                 let at = rect.right_center() + vec2((gap + MARGIN) / 2.0, -12.0);
                 let font = FontId::proportional(15.0);
-                ui.painter().text(at, Align2::CENTER_CENTER, *sign, font, color(manner.theme.muted));
+                let rect = ui.painter().text(at, Align2::CENTER_CENTER, *sign, font, color(manner.theme.muted));
+                let response = ui.interact(rect.expand(4.0), ui.scope_id().with(("between", i)), Sense::hover());
+                response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, *about));
+                response.on_hover_text(*about);
             }
         }
         pointed
@@ -158,7 +190,7 @@ impl Grids {
         let scale = scales.scale(shown);
         let response = ui.interact(rect, ui.scope_id().with(("view", i)), Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("View: {title}")));
-        self.steer(ui, i, rect, &response, shown.slice.side, view.linked);
+        self.steer(ui, i, rect, &response, shown.slice.side, manner);
         let camera = self.cameras[i];
         let cell = rect.width() * camera.zoom / shown.slice.side.max(1) as f32;
         let whole = cell * shown.slice.side as f32;
@@ -175,6 +207,9 @@ impl Grids {
             }
         };
         self.placings.push(placing);
+        if manner.marks_cells {
+            self.mark(ui, i, &response, &placing, shown.slice.side);
+        }
         let painter = ui.painter_at(rect.expand(1.0));
         painter.rect_filled(rect, 0.0, color(theme.ground));
         painter.extend(meshes.map(Shape::mesh));
@@ -189,11 +224,25 @@ impl Grids {
         Some(Pointed { pane: i, at, clicked: response.clicked(), double_clicked: response.double_clicked() })
     }
 
+    /// Marks the cells that the pointer is dragged over.
+    fn mark(&mut self, ui: &Ui, pane: usize, response: &Response, placing: &Placing, side: usize) {
+        let Some(at) = response.interact_pointer_pos() else { return };
+        let here = placing.nearest(at, side);
+        if response.drag_started() {
+            let from = ui.input(|input| input.pointer.press_origin()).unwrap_or(at);
+            self.span = Some(Span { pane, ends: [placing.nearest(from, side), here], done: false });
+        }
+        if let Some(span) = self.span.as_mut().filter(|span| span.pane == pane) {
+            span.ends[1] = here;
+            span.done = response.drag_stopped();
+        }
+    }
+
     /// Zooms about the pointer and pans with it.
-    fn steer(&mut self, ui: &Ui, i: usize, rect: Rect, response: &Response, side: usize, linked: bool) {
+    fn steer(&mut self, ui: &Ui, i: usize, rect: Rect, response: &Response, side: usize, manner: &Manner) {
         let before = self.cameras[i];
         let mut camera = before;
-        if response.dragged() {
+        if response.dragged() && !manner.marks_cells {
             let moved = response.drag_delta() / (rect.width() * camera.zoom);
             camera.centre += vec2(-moved.x, moved.y);
         }
@@ -210,7 +259,7 @@ impl Grids {
         let reach = 0.5 / camera.zoom;
         camera.centre = camera.centre.clamp(Vec2::splat(reach), Vec2::splat(1.0 - reach));
         if camera != before {
-            if linked { self.cameras.fill(camera) } else { self.cameras[i] = camera }
+            if manner.view.linked { self.cameras.fill(camera) } else { self.cameras[i] = camera }
         }
     }
 }

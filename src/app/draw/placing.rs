@@ -31,6 +31,12 @@ impl Placing {
         Rect::from_two_pos(self.at(column as f32, row as f32), self.at(column as f32 + side, row as f32 + side))
     }
 
+    /// The finest cell, (column, row), nearest to a place on screen.
+    pub fn nearest(&self, pos: Pos2, side: usize) -> [usize; 2] {
+        let cell = |offset: f32| ((offset / self.cell).floor().max(0.0) as usize).min(side.saturating_sub(1));
+        [cell(pos.x - self.origin.x), cell(self.origin.y - pos.y)]
+    }
+
     /// The finest cell, (column, row), under a place on screen.
     pub fn cell_at(&self, pos: Pos2, side: usize) -> Option<[usize; 2]> {
         let (column, row) = ((pos.x - self.origin.x) / self.cell, (self.origin.y - pos.y) / self.cell);
@@ -67,7 +73,9 @@ mod tests {
         for at in [[0, 0], [7, 0], [3, 5]] {
             let middle = placing.square(at[0], at[1], 1).center();
             assert_eq!(placing.cell_at(middle, 8), Some(at));
+            assert_eq!(placing.nearest(middle, 8), at);
         }
         assert_eq!(placing.cell_at(pos2(9.0, 50.0), 8), None);
+        assert_eq!(placing.nearest(pos2(-90.0, 5000.0), 8), [0, 0]);
     }
 }

@@ -12,7 +12,6 @@ use crate::app::session::pareto;
 use crate::app::session::plots::{Plots, Tab};
 use crate::app::session::view::{Heat, View};
 use crate::app::worker::look::Shown;
-
 use crate::report::error_figure::{ErrorFigure, Measure, Series};
 use crate::report::picture::{Panel, Picture};
 use crate::report::plot::Figure;
@@ -155,7 +154,7 @@ fn numbers(session: &Session) -> Result<String, Box<dyn Error>> {
 
 /// The plots as SVG.
 fn plots_picture(session: &Session, format: &Format) -> Result<String, Box<dyn Error>> {
-    let (title, plots) = (session.document.name(), &session.settings.plots);
+    let (title, plots) = (session.document.name(), &session.plots());
     let figure = match plots.tab {
         Tab::Errors => figure(&title, plots, &session.run.all_curves(), session.seen(), format),
         Tab::Line => session.course().ok_or(NO_LINE)?.figure(&title, plots.line.log, format),

@@ -34,7 +34,7 @@ impl Lab {
             Ask::View(view) => session.settings.view = *view,
             Ask::Space(space) => session.sight.space = space,
             Ask::Plots(plots) => session.settings.plots = *plots,
-            Ask::Comparison(comparison) => session.comparison = comparison,
+            Ask::Comparison(comparison) => session.comparison = session.comparison.changed(comparison),
             Ask::Kept(kept) => session.run.kept = kept,
             Ask::Rerun(rerun) => session.settings.rerun = Some(rerun),
             Ask::OnCard(on_card) => session.compute_on(on_card),

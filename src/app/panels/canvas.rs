@@ -3,13 +3,14 @@
 
 use egui::{Color32, CursorIcon, Painter, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, vec2};
 
-use crate::app::draw::grids::Pointed;
+use crate::app::draw::grids::{Pointed, Span};
 use crate::app::draw::ink::color;
 use crate::app::draw::placing::Placing;
 use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
 use crate::app::session::cell_files::opaque;
 use crate::app::session::items::{Item, Tool};
+use crate::field::Cell;
 use crate::report::colour::Theme;
 use crate::report::slice::Plane;
 use crate::scene::Preset;
@@ -81,14 +82,14 @@ fn handles(
         && let Some([low, high]) = item.footprint(preset, plane)
     {
         let middle = [0, 1].map(|i| (low[i] + high[i]) / 2);
-        let cell = nearest(placing, to, side);
+        let cell = placing.nearest(to, side);
         let by = [0, 1].map(|i| cell[i] as isize - middle[i] as isize);
         change(asks, &|preset| item.shift(preset, plane.axis, by));
     }
     if item.can_be_sized(preset)
         && let Some(to) = handle(ui, painter, rect.right_top(), &name("Size"), ink)
     {
-        let cell = nearest(placing, to, side);
+        let cell = placing.nearest(to, side);
         change(asks, &|preset| item.stretch(preset, plane.axis, cell));
     }
     if let Some(direction) = item.direction(preset) {
@@ -116,10 +117,39 @@ fn handle(ui: &mut Ui, painter: &Painter, at: Pos2, name: &str, ink: Color32) ->
     response.interact_pointer_pos().filter(|_| response.dragged())
 }
 
-/// The finest cell, (column, row), nearest to a place on screen.
-fn nearest(placing: &Placing, at: Pos2, side: usize) -> [usize; 2] {
-    let cell = |offset: f32| ((offset / placing.cell).floor().max(0.0) as usize).min(side.saturating_sub(1));
-    [cell(at.x - placing.origin.x), cell(placing.origin.y - at.y)]
+/// Draws the cells that are being marked with the tool in hand, and adds what they become once they are.
+pub fn mark(ui: &Ui, session: &Session, placing: &Placing, span: Span, theme: &Theme, asks: &mut Asks) {
+    let Some(shown) = session.sight.shown.get(span.pane) else { return };
+    let [low, high] = span.corners();
+    if !span.done {
+        let rect = placing.square(low[0], low[1], 1).union(placing.square(high[0], high[1], 1));
+        let ink = color(if session.tool == Tool::Light { theme.heat } else { theme.muted });
+        ui.painter_at(placing.clip).rect(rect, 0.0, ink.gamma_multiply(0.25), (2.0, ink), StrokeKind::Middle);
+        return;
+    }
+    let plane = shown.slice.plane;
+    let [from, to] = [low, high].map(|[column, row]| plane.axis.cell(plane.index, column, row));
+    add(session, from, to, asks);
+}
+
+/// Adds what the tool in hand makes of the cells between two.
+fn add(session: &Session, from: Cell, to: Cell, asks: &mut Asks) {
+    let mut preset = session.document.preset.clone();
+    let item = match session.tool {
+        Tool::Light => {
+            let kind =
+                if from == to { InjectorKind::Single { cell: from } } else { InjectorKind::Rectangle { from, to } };
+            preset.injectors.push(Injector::new(kind));
+            Item::Injector(preset.injectors.len() - 1)
+        }
+        Tool::Occluder => {
+            preset.occluders.push(opaque(OccluderKind::Box { from, to }));
+            Item::Occluder(preset.occluders.len() - 1)
+        }
+        Tool::Select | Tool::Probe => return,
+    };
+    asks.ask(Ask::Select(Some(item)));
+    asks.ask(Ask::Preset(Box::new(preset)));
 }
 
 /// What a click with the tool in hand does.
@@ -127,29 +157,20 @@ pub fn click(session: &Session, pointed: Pointed, asks: &mut Asks) {
     let Some(shown) = session.sight.shown.get(pointed.pane) else { return };
     let plane = shown.slice.plane;
     let cell = plane.axis.cell(plane.index, pointed.at[0], pointed.at[1]);
-    let mut preset = session.document.preset.clone();
+    let preset = &session.document.preset;
     match session.tool {
         _ if session.placing.is_some() => session.click(shown, pointed.at, asks),
         Tool::Select => {
             let [column, row] = pointed.at;
             let here = |item: &Item| {
-                item.footprint(&preset, plane).is_some_and(|[low, high]| {
+                item.footprint(preset, plane).is_some_and(|[low, high]| {
                     (low[0]..=high[0]).contains(&column) && (low[1]..=high[1]).contains(&row)
                 })
             };
-            asks.ask(Ask::Select(Item::all(&preset).into_iter().find(here)));
+            asks.ask(Ask::Select(Item::all(preset).into_iter().find(here)));
             session.click(shown, pointed.at, asks);
         }
-        Tool::Light => {
-            preset.injectors.push(Injector::new(InjectorKind::Single { cell }));
-            asks.ask(Ask::Select(Some(Item::Injector(preset.injectors.len() - 1))));
-            asks.ask(Ask::Preset(Box::new(preset)));
-        }
-        Tool::Occluder => {
-            preset.occluders.push(opaque(OccluderKind::Box { from: cell, to: cell }));
-            asks.ask(Ask::Select(Some(Item::Occluder(preset.occluders.len() - 1))));
-            asks.ask(Ask::Preset(Box::new(preset)));
-        }
+        Tool::Light | Tool::Occluder => add(session, cell, cell, asks),
         Tool::Probe => {
             let mut plots = session.settings.plots.clone();
             plots.line.at = Some(if plots.line.upwards { pointed.at[0] } else { pointed.at[1] });

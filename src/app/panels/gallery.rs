@@ -160,6 +160,6 @@ fn picture(name: &str) -> Result<Shown, String> {
         brightest: Default::default(),
         cloud: None,
     };
-    let shown = cut::panes(&mut [track], &References::default(), &look).pop();
+    let shown = cut::panes(&mut [track], &References::default(), 0, &look).pop();
     shown.ok_or_else(|| format!("{name} shows nothing"))
 }

@@ -49,12 +49,12 @@ pub fn bar(ui: &mut Ui, session: &Session, asks: &mut Asks) {
 /// The plot that is seen, in all the room there is.
 pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     let theme = theme(ui.ctx());
-    let plots = &session.settings.plots;
+    let plots = &session.plots();
     match plots.tab {
         Tab::Errors => {
             let runs = session.run.all_curves();
             if runs.len() > 1 && ui.available_width() > WIDE {
-                Panel::right("ranked").exact_size(300.0).resizable(false).show(ui, |ui| {
+                Panel::right("ranked").exact_size(table::WIDTH).resizable(false).show(ui, |ui| {
                     table::ui(ui, session, &theme);
                 });
             }

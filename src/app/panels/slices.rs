@@ -15,6 +15,15 @@ use crate::app::worker::look::Shown;
 use crate::report::colour::Theme;
 use crate::report::slice::SliceCell;
 
+/// The steps of an iteration from view to view, each in a sentence.
+const STEPS: [(&str, &str); 2] = [
+    (
+        "➡",
+        "Source to target: Propagate sends each cell's light to its six neighbours, and what they get is the new light.",
+    ),
+    ("+", "Plus accumulated: the new light is added to the sum of all so far, and is the next iteration's source."),
+];
+
 /// Draws the views in all the room there is; where the pointer is. `pointed` is where it was before.
 pub fn ui(
     ui: &mut Ui,
@@ -28,14 +37,18 @@ pub fn ui(
     let marks = marks(session, theme, pointed);
     let paint = scales.paint(&session.settings.view);
     // The algorithm's way: what the source sends comes into the target, which is added to the sum.
-    let between: &[&str] = if session.settings.view.stage == Stage::Grids { &["➡", "+"] } else { &[] };
-    let manner = Manner { view: &session.settings.view, theme, scales, paint, marks: &marks, between };
+    let between: &[(&str, &str)] = if session.settings.view.stage == Stage::Grids { &STEPS } else { &[] };
+    let marks_cells = session.tool.marks_cells() && session.placing.is_none();
+    let manner = Manner { view: &session.settings.view, theme, scales, paint, marks: &marks, between, marks_cells };
     let room = ui.available_rect_before_wrap();
     let pointed = grids.ui(ui, &session.sight.shown, &session.titles(), &manner);
     for (shown, placing) in session.sight.shown.iter().zip(grids.placings()) {
         ui.push_id(("canvas", placing.clip.left() as i32, placing.clip.top() as i32), |ui| {
             canvas::ui(ui, session, placing, shown.slice.plane, theme, asks);
         });
+    }
+    if let Some((span, placing)) = grids.span().and_then(|span| Some((span, grids.placings().get(span.pane)?))) {
+        canvas::mark(ui, session, placing, span, theme, asks);
     }
     if let Some(why) = session.why_dark() {
         let font = egui::FontId::proportional(15.0);

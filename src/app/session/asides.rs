@@ -3,6 +3,7 @@
 
 mod aside;
 mod errand;
+pub mod flaws;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -73,6 +74,8 @@ pub struct Asides {
     measurement: Option<(Very, usize)>,
     /// The level whose critical factor each propagator that is being edited exceeds.
     pub critical: Aside<Factors, Vec<Option<Exceeded>>>,
+    /// What goes wrong with the light of the runs in the table.
+    pub flaws: Aside<flaws::Runs, Vec<flaws::Flaws>>,
     /// What is found out about a port.
     pub port: Aside<Question, Arc<Answer>>,
     /// A line for a run that will not end well.
@@ -88,6 +91,7 @@ impl Default for Asides {
             pareto: Aside::new("run time against error"),
             measurement: None,
             critical: Aside::new("critical factors"),
+            flaws: Aside::new("leaks and jumps"),
             port: Aside::new("port"),
             outlook: Aside::new("outlook"),
         }
@@ -131,7 +135,7 @@ impl Session {
     /// Whether something on screen is measured against what truly arrives.
     pub fn wants_truth(&self) -> bool {
         let seen = self.settings.view.stage == Stage::Compare && self.run.others.contains(&Rival::Ballistic);
-        seen || self.settings.plots.metric == Expectation::Ballistic
+        seen || self.metric() == Expectation::Ballistic
     }
 
     /// Whether what truly arrives was given up for the problem that runs.
@@ -160,6 +164,7 @@ impl Session {
             self.seek_profiles(ctx),
             self.seek_pareto(ctx),
             self.seek_factors(ctx),
+            self.seek_flaws(ctx),
             self.seek_port(ctx),
             self.seek_outlook(ctx),
         ];

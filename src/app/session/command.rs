@@ -271,8 +271,12 @@ impl Command {
             Command::FoldScene => ("Fold the scene", "Fold the panel of the scene to a strip, or open it"),
             Command::FoldPlots => ("Fold the plots", "Fold the plots to a strip, or open them"),
             Command::SelectTool => ("Select", "Click a cell to pin it, an object to change it by its handles"),
-            Command::LightTool => ("Add light", "Click a cell of a view to add an injector there"),
-            Command::OccluderTool => ("Add occluder", "Click a cell of a view to add an occluder there"),
+            Command::LightTool => {
+                ("Add light", "Click a cell of a view to add an injector there, or drag out a rectangle")
+            }
+            Command::OccluderTool => {
+                ("Add occluder", "Click a cell of a view to add an occluder there, or drag out a block")
+            }
             Command::ProbeTool => ("Probe", "Click a cell of a view to plot the light along the line through it"),
             Command::Keys => ("Keyboard reference", "All keys"),
         }

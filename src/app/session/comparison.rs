@@ -35,6 +35,8 @@ pub struct Comparison {
     pub difference: bool,
     /// The other iteration.
     pub against: usize,
+    /// Whether looking side by side has begun it, and nobody has changed it since: then it ends with the look.
+    pub begun: bool,
 }
 
 impl Default for Comparison {
@@ -46,6 +48,7 @@ impl Default for Comparison {
             light: Light::default(),
             difference: true,
             against: 0,
+            begun: false,
         }
     }
 }
@@ -91,7 +94,14 @@ impl Comparison {
     /// The first run to hold the document's own against: what its octree costs, or, where it has a single level, what its
     /// propagator does.
     pub fn begin(&mut self, preset: &Preset) {
+        self.begun = true;
         self.others.push(if preset.size > preset.coarsest { Rival::Uniform } else { Rival::Ballistic });
+    }
+
+    /// As it was changed by hand to `now`: what runs in it is no longer there for the look alone.
+    pub fn changed(&self, now: Comparison) -> Comparison {
+        let begun = now.begun && now.others == self.others && now.star == self.star;
+        Comparison { begun, ..now }
     }
 
     /// Takes a run out of the list; the star goes to the document's own where it was that run's.
@@ -162,5 +172,9 @@ mod tests {
         let mut begun = Comparison::default();
         begun.begin(&preset);
         assert_eq!(begun.others, [Rival::Uniform]);
+        // Another look at the same runs leaves them the look's own, a star or another run does not.
+        assert!(begun.changed(Comparison { difference: false, ..begun.clone() }).begun);
+        assert!(!begun.changed(Comparison { star: 1, ..begun.clone() }).begun);
+        assert!(!begun.changed(Comparison { others: vec![Rival::Ballistic], ..begun.clone() }).begun);
     }
 }

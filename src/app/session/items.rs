@@ -20,6 +20,13 @@ pub enum Tool {
     Probe,
 }
 
+impl Tool {
+    /// Whether dragging it over cells marks them for something to add.
+    pub fn marks_cells(self) -> bool {
+        matches!(self, Tool::Light | Tool::Occluder)
+    }
+}
+
 /// An object of the scene, by its place in the preset's list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Item {

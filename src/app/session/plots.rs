@@ -35,7 +35,7 @@ pub struct Plots {
     pub maximum: bool,
     /// The level, or all together.
     pub level: Option<usize>,
-    /// What errors are against.
+    /// What errors are against; [`Expectation::Run`] is the run with the star, whatever that is.
     #[serde(serialize_with = "name", deserialize_with = "named")]
     pub metric: Expectation,
     /// The line of cells.
@@ -51,11 +51,11 @@ impl Default for Plots {
         Plots {
             tab: Tab::default(),
             log: true,
-            groups: [true, true, false],
+            groups: [false, false, true],
             average: true,
             maximum: true,
             level: None,
-            metric: Expectation::Thesis,
+            metric: Expectation::Run,
             line: LineChoice::default(),
             pareto: Expectation::Ballistic,
             format: Format::default(),
@@ -85,8 +85,8 @@ fn name<S: Serializer>(metric: &Expectation, serializer: S) -> Result<S::Ok, S::
     metric.name().serialize(serializer)
 }
 
-/// Reads a metric's name; the thesis's for one that is not known.
+/// Reads a metric's name; the star's for one that is not known.
 fn named<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Expectation, D::Error> {
     let name = String::deserialize(deserializer)?;
-    Ok(Expectation::ALL.into_iter().find(|metric| metric.name() == name).unwrap_or(Expectation::Thesis))
+    Ok(Expectation::ALL.into_iter().find(|metric| metric.name() == name).unwrap_or(Expectation::Run))
 }

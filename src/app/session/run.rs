@@ -90,6 +90,13 @@ impl Run {
         self.send(Order::Restart(k, tag));
     }
 
+    /// Ends what runs beside the document's own propagator.
+    pub fn go_alone(&mut self) {
+        self.others.clear();
+        self.curves.truncate(1);
+        self.worker.order(Order::Alone);
+    }
+
     /// Takes up what is known of the run that the worker has turned to.
     pub fn turn_to(&mut self, tag: u64) {
         let left = self.record();
@@ -110,6 +117,11 @@ impl Run {
     pub fn send(&mut self, order: Order) {
         self.worker.order(order);
         self.waiting = self.waiting.or(Some(f64::NAN));
+    }
+
+    /// The preset that runs.
+    pub fn preset(&self) -> &Preset {
+        &self.ran
     }
 
     /// Whether the results are of another preset than this one.

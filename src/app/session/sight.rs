@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use super::Session;
-use super::plots::Tab;
+use super::plots::{Plots, Tab};
 use super::view::{Scaling, Stage};
 use crate::app::worker::Order;
 use crate::app::worker::look::{Brightest, Cloud, CloudAsk, Light, Look, Of, Pane, Pin, PinSample, Shown, State};
+use crate::app::worker::rival::sides;
 use crate::study::expectation::Expectation;
 
 /// The part of the largest glyphs that may be cut off by their cells on a linear scale.
@@ -41,7 +42,7 @@ pub struct Sight {
     /// Whether the views show it, after the last action.
     pub answered: bool,
     /// The metric that the worker was told to measure by first.
-    measured_by: Option<Expectation>,
+    measured_by: Option<(Option<Expectation>, usize)>,
     /// How light in space is looked at.
     pub space: SpaceLook,
     /// The cell that stays in sight.
@@ -84,18 +85,47 @@ impl Sight {
 impl Session {
     /// Has measured first what the plots show.
     pub(super) fn choose_metric(&mut self) {
-        let plots = &self.settings.plots;
-        let metric = (plots.tab == Tab::Errors).then_some(plots.metric);
-        if self.sight.measured_by != metric {
-            self.sight.measured_by = metric;
-            self.sight.answered = false;
-            self.run.worker.order(Order::Measure(metric));
+        let metric = (self.settings.plots.tab == Tab::Errors).then_some(self.metric());
+        let Of::Track(star) = self.star() else { return self.measure_by(metric, 0) };
+        self.measure_by(metric, star);
+    }
+
+    fn measure_by(&mut self, metric: Option<Expectation>, star: usize) {
+        let before = self.sight.measured_by.replace((metric, star));
+        if before == Some((metric, star)) {
+            return;
         }
+        if before.is_some_and(|(_, old)| old != star) {
+            let curves = self.run.curves.iter_mut();
+            curves.for_each(|curves| curves.rows.retain(|row| row.expectation != Expectation::Run));
+        }
+        self.sight.answered = false;
+        self.run.worker.order(Order::Measure(metric, star));
+    }
+
+    /// Whose light the others are held against, of what runs.
+    pub fn star(&self) -> Of {
+        sides(&self.run.others).get(self.comparison.star).copied().unwrap_or(Of::Track(0))
+    }
+
+    /// What errors are against: where that is the run with the star, a run by itself is held against its uniform volume,
+    /// and what truly arrives is a metric of its own.
+    pub fn metric(&self) -> Expectation {
+        match self.settings.plots.metric {
+            Expectation::Run if self.star() == Of::Truth => Expectation::Ballistic,
+            Expectation::Run if self.run.curves.len() < 2 => Expectation::Merged,
+            metric => metric,
+        }
+    }
+
+    /// What the plots show, with what errors are against in the place of the choice of the star.
+    pub fn plots(&self) -> Plots {
+        Plots { metric: self.metric(), ..self.settings.plots.clone() }
     }
 
     /// What errors of cells are against: the same as in the plots.
     pub fn against(&self) -> Expectation {
-        self.settings.plots.metric
+        self.metric()
     }
 
     /// What is to be seen.

@@ -89,9 +89,9 @@ impl Session {
                 let at = Paint::ALL.iter().position(|paint| *paint == view.paint).unwrap_or_default();
                 view.paint = Paint::ALL[(at + 1) % Paint::ALL.len()];
             }
-            Command::Grids => view.stage = Stage::Grids,
+            Command::Grids => self.turn_to(Stage::Grids),
             Command::Compare => self.compare(),
-            Command::Space => view.stage = Stage::Space,
+            Command::Space => self.turn_to(Stage::Space),
             Command::Errors => self.settings.plots.tab = Tab::Errors,
             Command::Line => self.settings.plots.tab = Tab::Line,
             Command::RunTime => self.settings.plots.tab = Tab::Pareto,
@@ -124,10 +124,20 @@ impl Session {
         }
     }
 
-    /// Runs the scene as edited, as far as the present run has come.
+    /// Shows something else; a run that was begun to be looked at side by side ends with that.
+    fn turn_to(&mut self, stage: Stage) {
+        self.settings.view.stage = stage;
+        if std::mem::take(&mut self.comparison.begun) {
+            self.comparison.others.clear();
+            self.comparison.star = 0;
+            self.run.go_alone();
+        }
+    }
+
+    /// Runs the scene as edited, as far as the present run has come, or is to come while it is under way.
     pub(super) fn run_again(&mut self) {
-        let Progress { iteration, merged, .. } = self.run.progress;
-        self.load(Start::To { iteration, merge: merged });
+        let Progress { iteration, until, merged, .. } = self.run.progress;
+        self.load(Start::To { iteration: until.unwrap_or(iteration), merge: merged });
     }
 
     /// Has a graphics card iterate from now on, or the processor, and runs again.

@@ -6,18 +6,18 @@ mod cloud;
 use std::sync::Arc;
 
 use crate::app::worker::look::{Layer, Light, Look, Of, Pane, Shown, State};
-use crate::app::worker::track::Track;
+use crate::app::worker::track::{self, Track};
 use crate::field::{Channels, Grid, Octree, downsample_into};
 use crate::report::slice::{Plane, Slice};
 use crate::sh::Sh;
 use crate::simulation::Simulation;
-use crate::study::expectation::References;
+use crate::study::expectation::{Expectation, References};
 use crate::study::light;
 pub use cloud::cloud;
 
 /// Everything that `look` asks for. What is not there is left out: tracks, and what truly arrives while it is not
 /// known.
-pub fn panes(tracks: &mut [Track], references: &References, look: &Look) -> Vec<Shown> {
+pub fn panes(tracks: &mut [Track], references: &References, star: usize, look: &Look) -> Vec<Shown> {
     let Some(first) = tracks.first() else { return Vec::new() };
     // Where levels are asked for, volumes of a single level show the mean light in cells as large.
     let last = first.now().sizes().count() - 1;
@@ -26,7 +26,19 @@ pub fn panes(tracks: &mut [Track], references: &References, look: &Look) -> Vec<
         Layer::Merged => Layer::Merged,
     };
     let look = Look { layer, ..look.clone() };
-    look.panes.iter().filter_map(|pane| cut(tracks, references, *pane, &look)).collect()
+    let mut references = references.clone();
+    let mut of: Option<Option<usize>> = None;
+    let mut shown = Vec::new();
+    for pane in &look.panes {
+        let iteration = pane.state.iteration;
+        // Views of one iteration share what their errors are against.
+        if look.against == Expectation::Run && of != Some(iteration) {
+            references.run = track::merged(tracks, star, iteration);
+            of = Some(iteration);
+        }
+        shown.extend(cut(tracks, &references, *pane, &look));
+    }
+    shown
 }
 
 fn cut(tracks: &mut [Track], references: &References, pane: Pane, look: &Look) -> Option<Shown> {
@@ -185,12 +197,12 @@ pub(in crate::app) mod tests {
         let mut fresh = Track::new(Problem::build(&preset, Path::new("")).unwrap(), 1 << 20).unwrap();
         fresh.act(Action::Inject);
         fresh.act(Action::Downsample);
-        let shown = panes(&mut [fresh], &none(), &look(Layer::Level(2), None));
+        let shown = panes(&mut [fresh], &none(), 0, &look(Layer::Level(2), None));
         assert_eq!(shown[0].errors.len(), 4);
         assert!(shown[0].errors.iter().all(|error| error.unwrap().absolute < 1e-6));
-        let shown = panes(&mut [track(ONE)], &none(), &look(Layer::Level(2), None));
+        let shown = panes(&mut [track(ONE)], &none(), 0, &look(Layer::Level(2), None));
         assert!(shown[0].errors.iter().any(|error| error.unwrap().absolute > 1e-4));
-        let finest = panes(&mut [track(ONE)], &none(), &look(Layer::Level(0), None));
+        let finest = panes(&mut [track(ONE)], &none(), 0, &look(Layer::Level(0), None));
         assert!(finest[0].errors.iter().all(Option::is_none));
     }
 
@@ -201,10 +213,10 @@ pub(in crate::app) mod tests {
     fn a_difference_from_itself_is_dark_and_from_the_past_is_what_was_added() {
         let mut tracks = [track(ONE)];
         let own = State { of: Of::Track(0), iteration: None };
-        let shown = panes(&mut tracks, &none(), &look(Layer::Merged, Some(own)));
+        let shown = panes(&mut tracks, &none(), 0, &look(Layer::Merged, Some(own)));
         assert!(shown[0].slice.cells.iter().all(|cell| cell.light.iter().all(|sh| sh.is_zero())));
         let before = State { of: Of::Track(0), iteration: Some(1) };
-        let shown = panes(&mut tracks, &none(), &look(Layer::Level(0), Some(before)));
+        let shown = panes(&mut tracks, &none(), 0, &look(Layer::Level(0), Some(before)));
         for cell in &shown[0].slice.cells {
             let added = tracks[0].now().lights()[0].source.level(0).get(cell.cell);
             assert!((cell.light[0] - added).max_norm() < 1e-6);
@@ -220,14 +232,14 @@ pub(in crate::app) mod tests {
         let arrived =
             |minus| Pane { light: Light::Accumulated, state: State { of: Of::Truth, iteration: None }, minus };
         let look = Look { panes: vec![arrived(None), arrived(Some(own))], ..look(Layer::Merged, None) };
-        assert!(panes(&mut tracks, &none(), &look).is_empty());
-        let shown = panes(&mut tracks, &references, &look);
+        assert!(panes(&mut tracks, &none(), 0, &look).is_empty());
+        let shown = panes(&mut tracks, &references, 0, &look);
         let moved = light::moved(tracks[0].now());
         for (is, difference) in shown[0].slice.cells.iter().zip(&shown[1].slice.cells) {
             assert_eq!(is.light[0], truth.light()[0].get(is.cell));
             assert_eq!(difference.light[0], is.light[0] - moved[0].get(is.cell));
         }
-        let coarse = panes(&mut tracks, &references, &Look { layer: Layer::Level(2), ..look });
+        let coarse = panes(&mut tracks, &references, 0, &Look { layer: Layer::Level(2), ..look });
         assert_eq!(coarse[0].slice.cells.len(), 4);
     }
 }

@@ -56,6 +56,8 @@ pub struct Desk {
     references: References,
     /// The metric that is seen.
     metric: Option<Expectation>,
+    /// The track that errors against a run are against.
+    star: usize,
     measured: Ledger,
     /// What scenes with a mesh were made from: a light that moves makes nothing anew but its own map.
     cache: Cache,
@@ -90,6 +92,7 @@ impl Desk {
             pictured: None,
             references: References::default(),
             metric: None,
+            star: 0,
             measured: Ledger::default(),
             cache: Cache::default(),
             peaks: Peaks::default(),
@@ -205,8 +208,12 @@ impl Desk {
             }
             #[cfg(test)]
             Order::Panic => panic!("as ordered"),
-            Order::Measure(metric) => {
+            Order::Measure(metric, star) => {
                 self.metric = metric;
+                if star != self.star {
+                    self.star = star;
+                    self.measured.forget(Expectation::Run);
+                }
                 self.tell_progress(None);
                 self.picture(false);
             }
@@ -215,10 +222,16 @@ impl Desk {
                 self.tell_progress(None);
                 self.picture(false);
             }
+            Order::Alone => {
+                self.tracks.truncate(1);
+                self.each.truncate(1);
+                self.share_budget();
+                self.tell_progress(None);
+                self.picture(false);
+            }
             Order::Budget(bytes) => {
                 self.budget = bytes;
-                let each = bytes / self.tracks.len().max(1);
-                self.tracks.iter_mut().for_each(|track| track.set_budget(each));
+                self.share_budget();
                 self.tell_progress(None);
                 self.picture(false);
             }
@@ -244,7 +257,11 @@ impl Desk {
     fn metrics(&self) -> Vec<Expectation> {
         let small = !self.is_large();
         let others = Expectation::ALL.into_iter().filter(|metric| small && Some(*metric) != self.metric);
-        let possible = |metric: &Expectation| metric.is_ready(&self.references);
+        // A run is had from the star's track when it is measured.
+        let possible = |metric: &Expectation| match metric {
+            Expectation::Run => self.star < self.tracks.len() && self.tracks.len() > 1,
+            _ => metric.is_ready(&self.references),
+        };
         self.metric.into_iter().chain(others).filter(possible).collect()
     }
 
@@ -273,10 +290,13 @@ impl Desk {
     }
 
     fn measure(&mut self, metric: Expectation, iteration: usize) {
-        let references = &self.references;
+        let mut references = self.references.clone();
+        if metric == Expectation::Run {
+            references.run = track::merged(&mut self.tracks, self.star, Some(iteration));
+        }
         let errors = self.tracks.iter_mut().map(|track| {
             let state = track.at(Some(iteration));
-            state.map(|state| track::errors(state, metric, references)).unwrap_or_default()
+            state.map(|state| track::errors(state, metric, &references)).unwrap_or_default()
         });
         let errors = errors.collect();
         self.measured.enter(metric, iteration);
@@ -311,13 +331,18 @@ impl Desk {
         (self.tag, self.tracks, self.measured) = (tag, tracks, measured);
         (self.merged, self.brightest) = (merged, brightest);
         self.peaks = Peaks::default();
-        let each = self.budget / self.tracks.len().max(1);
-        self.tracks.iter_mut().for_each(|track| track.set_budget(each));
+        self.share_budget();
         self.tell(News::Returned(tag));
         self.tell(News::Branches(self.branches.tags()));
         self.turn_to();
         self.tell_progress(None);
         self.picture(false);
+    }
+
+    /// Gives every track its share of the memory for the past.
+    fn share_budget(&mut self) {
+        let each = self.budget / self.tracks.len().max(1);
+        self.tracks.iter_mut().for_each(|track| track.set_budget(each));
     }
 
     /// Turns to the problem of the present run: what truly arrives in another is of no use to it.
@@ -440,7 +465,7 @@ impl Desk {
         }
         self.tell_pin();
         let Some(look) = self.look.clone() else { return };
-        let mut panes = cut::panes(&mut self.tracks, &self.references, &look);
+        let mut panes = cut::panes(&mut self.tracks, &self.references, self.star, &look);
         for shown in &mut panes {
             shown.of_run = self.peaks.of_run(&self.tracks, shown.pane, &look);
         }

@@ -1,16 +1,26 @@
 //! One propagator on its way through a scene: the simulation, its past and its errors.
 
+use std::sync::Arc;
+
 use crate::app::worker::history::History;
+use crate::field::Grid;
 use crate::scene::Problem;
 use crate::simulation::options::{Device, Options};
 use crate::simulation::{Action, Change, Refusal, Simulation};
 use crate::study::error::ErrorRow;
 use crate::study::expectation::{Expectation, References};
+use crate::study::light;
 
 /// The errors of a state against an expectation; what is dark, or lacks the references, has none.
 pub fn errors(state: &Simulation<f32>, expectation: Expectation, references: &References) -> Vec<ErrorRow> {
     let is_dark = (0..state.sizes().count()).all(|i| state.index().level(i).count() == 0);
     if is_dark { Vec::new() } else { expectation.rows(state, references) }
+}
+
+/// The merged light of one of several tracks after iteration `k`, or now; `None` where it is not there.
+pub fn merged(tracks: &mut [Track], which: usize, k: Option<usize>) -> Option<Arc<[Grid<f32>]>> {
+    let state = tracks.get_mut(which)?.at(k)?;
+    Some(light::sampled(state).into())
 }
 
 /// A simulation that remembers.

@@ -81,8 +81,15 @@ impl Study {
         let Some((_, _, shown)) = &self.shown else { return };
         let view = View { paint: Paint::Direction, levels: false, occluders: false, ..session.settings.view.clone() };
         let (theme, scales) = (theme(ui.ctx()), Scales::of(&view, shown));
-        let manner =
-            Manner { view: &view, theme: &theme, scales: &scales, paint: view.paint, marks: &[], between: &[] };
+        let manner = Manner {
+            view: &view,
+            theme: &theme,
+            scales: &scales,
+            paint: view.paint,
+            marks: &[],
+            between: &[],
+            marks_cells: false,
+        };
         let titles = ["As it should be", "The port's", "The difference"].map(str::to_owned);
         self.grids.ui(ui, shown, &titles, &manner);
     }

@@ -14,7 +14,6 @@ use crate::study::fit::{BestFit, l1};
 use crate::study::picture::Difference;
 use crate::study::surface::{self, Surfaces};
 use crate::study::{light, reference};
-use crate::transport::ballistic::Ballistic;
 
 /// A state under one expectation.
 #[derive(Debug)]
@@ -37,8 +36,8 @@ enum Compared<'a, T> {
     Levels,
     /// What merging would store now, with the finest level.
     Merged(Vec<Grid<T>>),
-    /// The merged light without what was injected, with what truly arrives.
-    Moved(Vec<Grid<T>>, &'a Ballistic),
+    /// The merged light, for what truly arrives without what was injected, with grids that were had before.
+    Given(Vec<Grid<T>>, &'a [Grid<f32>]),
     /// What the patches of a mesh's surface receive, with what truly reaches them.
     Surface(Vec<Rgb>, &'a SurfaceTruth),
     /// What a camera sees, with the true picture.
@@ -51,7 +50,8 @@ impl<'a, T: Real> Held<'a, T> {
             Expectation::Thesis => Compared::Children,
             Expectation::Corrected => Compared::Levels,
             Expectation::Merged => Compared::Merged(light::sampled(state)),
-            Expectation::Ballistic => Compared::Moved(light::moved(state), references.ballistic.as_deref()?),
+            Expectation::Ballistic => Compared::Given(light::moved(state), references.ballistic.as_deref()?.light()),
+            Expectation::Run => Compared::Given(light::sampled(state), references.run.as_deref()?),
             Expectation::Surface => {
                 let truth = references.surface.as_deref()?;
                 Compared::Surface(truth.found(state), truth)
@@ -111,9 +111,9 @@ impl<'a, T: Real> Held<'a, T> {
                 });
                 vec![self.row(&tally, None)]
             }
-            Compared::Moved(moved, truth) => {
+            Compared::Given(light, given) => {
                 let tally = self.tally(self.state.sizes().finest(), |channel, cell| {
-                    (moved[channel].get(cell), truth.light()[channel].get(cell).cast())
+                    (light[channel].get(cell), given[channel].get(cell).cast())
                 });
                 let l1_best_fit = self.best_fit().map(|fit| fit.fitted);
                 vec![ErrorRow { l1_best_fit, ..self.row(&tally, None) }]
@@ -170,7 +170,7 @@ impl<'a, T: Real> Held<'a, T> {
                 let uniform: Vec<&Grid<T>> = (0..merged.len()).map(|channel| self.uniform(channel)).collect();
                 Some(l1(&self.scales, merged, &uniform))
             }
-            Compared::Moved(moved, truth) => Some(l1(&self.scales, moved, truth.light())),
+            Compared::Given(light, given) => Some(l1(&self.scales, light, given)),
             Compared::Surface(found, truth) => {
                 let Surfaces { l1, l1_fitted, scale, .. } = surface::compare(truth.patches(), found, truth.lit());
                 Some(BestFit { raw: l1, fitted: l1_fitted, scale })
@@ -213,8 +213,8 @@ impl<'a, T: Real> Held<'a, T> {
             Compared::Merged(merged) => {
                 [mean_within(&merged[channel], level, cell), mean_within(self.uniform(channel), level, cell)]
             }
-            Compared::Moved(moved, truth) => {
-                [mean_within(&moved[channel], level, cell), mean_within(&truth.light()[channel], level, cell)]
+            Compared::Given(light, given) => {
+                [mean_within(&light[channel], level, cell), mean_within(&given[channel], level, cell)]
             }
             Compared::Surface(..) | Compared::Picture(..) => [Sh::ZERO; 2],
         }
@@ -301,7 +301,9 @@ mod tests {
     /// Every expectation, ready for a state.
     fn each(state: &Simulation<f32>) -> Vec<(Expectation, References)> {
         let ready = |expectation: Expectation| {
-            let mut references = References::default();
+            // The other run is dark.
+            let run = light::sampled(state).iter().map(|grid| Grid::new(grid.side())).collect();
+            let mut references = References { run: Some(run), ..References::default() };
             expectation.prepare(state.problem(), &mut references, &|_| true);
             assert!(expectation.is_ready(&references));
             (expectation, references)
@@ -315,7 +317,8 @@ mod tests {
         for (expectation, references) in each(&state) {
             let rows = expectation.of(&state, &references).unwrap().rows();
             assert_eq!(rows.len(), 1, "{expectation}: no level but the finest");
-            assert_eq!(rows[0].absolute_max == 0.0, expectation != Expectation::Ballistic, "{expectation}");
+            let differs = matches!(expectation, Expectation::Ballistic | Expectation::Run);
+            assert_eq!(rows[0].absolute_max == 0.0, !differs, "{expectation}");
         }
     }
 
@@ -342,8 +345,25 @@ mod tests {
     #[test]
     fn what_is_not_computed_yet_is_not_held_against_anything() {
         let (state, references) = (run(1), References::default());
-        assert!(!Expectation::Ballistic.is_ready(&references));
-        assert!(Expectation::Ballistic.of(&state, &references).is_none());
+        for expectation in [Expectation::Ballistic, Expectation::Run] {
+            assert!(!expectation.is_ready(&references));
+            assert!(expectation.of(&state, &references).is_none());
+        }
+    }
+
+    #[test]
+    fn a_run_is_no_way_off_itself_and_as_far_off_its_multiple_as_that_says() {
+        let state = run(1);
+        let held = |factor: f32| {
+            let mut run = light::sampled(&state);
+            run.iter_mut().for_each(|grid| grid.scale(factor));
+            let references = References { run: Some(run.into()), ..References::default() };
+            Expectation::Run.rows(&state, &references)[0]
+        };
+        assert_eq!((held(1.0).l1_ratio, held(1.0).l1_best_fit), (0.0, Some(0.0)));
+        // Powers of two are exact: |O − 2 O| / |2 O| is a half, and one scalar takes it all away.
+        assert_eq!(held(2.0).l1_ratio, 0.5);
+        assert!(held(2.0).l1_best_fit < Some(1e-6));
     }
 
     #[test]

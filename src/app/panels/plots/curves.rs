@@ -39,6 +39,17 @@ pub fn ui(ui: &mut Ui, plots: &Plots, drawing: &Drawing) {
         ui.weak("Errors over the iterations appear here once light has moved: press Space for the next iteration.");
         return;
     }
+    let rows = || {
+        let ours = drawing.runs.iter().flat_map(|run| &run.rows);
+        ours.filter(|row| row.expectation == plots.metric && row.level == plots.level())
+    };
+    for left_out in plots.measures().filter_map(|measure| measure.left_out(rows())) {
+        ui.small(format!("Relative error: {left_out}."));
+    }
+    if rows().next().is_some() && rows().all(|row| row.absolute_max == 0.0) {
+        ui.small(format!("Every error is 0. {}.", plots.metric.summary()));
+    }
+    let room = vec2(room.x, ui.available_height());
     let gap = 8.0;
     let each = vec2(((room.x + gap) / count.max(1) as f32 - gap).max(80.0), room.y.max(60.0));
     ui.horizontal_top(|ui| {

@@ -36,13 +36,13 @@ pub fn controls(ui: &mut Ui, session: &Session, asks: &mut Asks) {
 /// Which errors are drawn; `levels` are those of the octree.
 fn choices(ui: &mut Ui, plots: &mut Plots, levels: usize) {
     let chosen = plots.metric;
-    let choice = ComboBox::from_id_salt("metric").selected_text(chosen.name()).width(76.0).show_ui(ui, |ui| {
+    let choice = ComboBox::from_id_salt("metric").selected_text(metric_name(chosen)).width(76.0).show_ui(ui, |ui| {
         // What needs a truth of the mesh stands in the Picture workspace.
         for metric in Expectation::ALL.into_iter().filter(|metric| !metric.needs_mesh()) {
-            ui.selectable_value(&mut plots.metric, metric, metric.name()).on_hover_text(metric.summary());
+            ui.selectable_value(&mut plots.metric, metric, metric_name(metric)).on_hover_text(about(metric));
         }
     });
-    name(&choice.response.on_hover_text(chosen.summary()), "Error metric");
+    name(&choice.response.on_hover_text(about(chosen)), "Error metric");
     let text = |level: Option<usize>| level.map_or("All levels".to_owned(), |level| format!("Level {level}"));
     ui.add_enabled_ui(chosen.has_levels(), |ui| {
         let shown = text(plots.level());
@@ -65,6 +65,19 @@ fn choices(ui: &mut Ui, plots: &mut Plots, levels: usize) {
             .on_hover_text("A logarithmic vertical axis; errors of zero are left out");
     });
     menu.on_hover_text("Which errors are drawn, and how");
+}
+
+/// What the choice of a metric says.
+fn metric_name(metric: Expectation) -> &'static str {
+    if metric == Expectation::Run { "★ star" } else { metric.name() }
+}
+
+/// What a metric compares, in a line.
+fn about(metric: Expectation) -> &'static str {
+    match metric {
+        Expectation::Run => "The merged light against the run with the star; of a lone run against its uniform volume",
+        metric => metric.summary(),
+    }
 }
 
 /// The kept runs, to be named or dropped.

@@ -77,6 +77,8 @@ pub fn ui(ui: &mut Ui, session: &Session, theme: &Theme, asks: &mut Asks) {
             ui.add_space(8.0);
         }
         ui.small("— what nothing beats in both");
+        ui.add_space(8.0);
+        ui.small("|–| from the fastest round to the slowest");
     });
     let logged = |row: &Row| point(row).map(f64::log10);
     let names: Vec<([f64; 2], String)> = rows.iter().map(|row| (logged(row), describe(row))).collect();
@@ -101,15 +103,19 @@ pub fn ui(ui: &mut Ui, session: &Session, theme: &Theme, asks: &mut Asks) {
         plot.line(line.style(LineStyle::Solid).allow_hover(false));
         for row in front(&rows) {
             let [x, y] = logged(row);
-            let text = format!(" {}, k = {}", row.name(), row.iterations);
-            let text = RichText::new(text).size(10.0).color(color(theme.ink));
+            let text = RichText::new(format!(" {}", row.setting())).size(10.0).color(color(theme.ink));
             plot.text(Text::new("", PlotPoint::new(x, y), text).anchor(Align2::LEFT_BOTTOM).allow_hover(false));
         }
         for (i, scheme) in schemes.iter().enumerate() {
             for (treatment, shape, _) in TREATMENTS {
                 let is_ours = |row: &&&Row| row.scheme == *scheme && row.treatment == treatment;
                 let ours = rows.iter().filter(is_ours);
-                let points: Vec<[f64; 2]> = ours.map(|row| logged(row)).collect();
+                let ours: Vec<&Row> = ours.copied().collect();
+                for row in &ours {
+                    let ends = PlotPoints::new(bar(row).to_vec());
+                    plot.line(Line::new(*scheme, ends).color(color(theme.curve(i))).width(1.0).allow_hover(false));
+                }
+                let points: Vec<[f64; 2]> = ours.iter().map(|row| logged(row)).collect();
                 let points = Points::new(*scheme, PlotPoints::new(points)).shape(shape);
                 plot.points(points.radius(3.5).color(color(theme.curve(i))));
             }
@@ -130,6 +136,11 @@ pub fn ui(ui: &mut Ui, session: &Session, theme: &Theme, asks: &mut Asks) {
     }
 }
 
+/// The two ends of a row's bar on the plot: its fastest and its slowest round.
+fn bar(row: &Row) -> [[f64; 2]; 2] {
+    row.spread.map(|seconds| [(1e3 * seconds).log10(), point(row)[1].log10()])
+}
+
 /// The preset with the setting of a row.
 fn loaded(preset: &Preset, row: &Row) -> Preset {
     let mut preset = preset.clone();
@@ -145,6 +156,50 @@ fn loaded(preset: &Preset, row: &Row) -> Preset {
 /// What stands beside a point.
 fn describe(row: &Row) -> String {
     let [milliseconds, error] = point(row);
-    let name = row.name();
-    format!("{name}, k = {}, {}\n{milliseconds:.3} ms: L1 {error:.3e}", row.iterations, row.treatment.name())
+    let [fastest, slowest] = row.spread.map(|seconds| 1e3 * seconds);
+    let setting = format!("{}, {}", row.setting(), row.treatment.name());
+    format!("{setting}\n{milliseconds:.3} ms ({fastest:.3} to {slowest:.3}): L1 {error:.3e}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::expectation::Expectation;
+    use crate::study::fit::BestFit;
+
+    fn row(treatment: Treatment) -> Row {
+        Row {
+            preset: "mixed".to_owned(),
+            scheme: "axial",
+            propagation: Propagation {
+                scheme: "axial".to_owned(),
+                factor: 2.5,
+                iterations: 9,
+                ..Propagation::default()
+            },
+            treatment,
+            size: 32,
+            iterations: 4,
+            seconds: 1e-2,
+            spread: [1e-3, 1e-1],
+            expectation: Expectation::Ballistic,
+            l1: BestFit { raw: 0.5, fitted: 0.1, scale: 1.0 },
+        }
+    }
+
+    #[test]
+    fn a_click_loads_the_setting_that_its_point_names() {
+        let octree = row(Treatment::Octree(Policy::Consistent));
+        assert!(octree.setting().ends_with(", k = 4, p = 2.5"), "{}", octree.setting());
+        let preset = loaded(&Preset { size: 32, coarsest: 1, ..Preset::default() }, &octree);
+        let Propagation { scheme, factor, iterations, levels, .. } = &preset.propagation;
+        assert_eq!((scheme.as_str(), *factor, *iterations, *levels), ("axial", 2.5, 4, Policy::Consistent));
+        assert_eq!(preset.coarsest, 1);
+        assert_eq!(loaded(&preset, &row(Treatment::Uniform)).coarsest, 32);
+    }
+
+    #[test]
+    fn a_bar_reaches_from_the_fastest_round_to_the_slowest_at_its_own_error() {
+        assert_eq!(bar(&row(Treatment::Uniform)), [[0.0, -1.0], [2.0, -1.0]]);
+    }
 }
