@@ -17,6 +17,7 @@ pub mod port;
 pub mod radiance;
 pub mod raster;
 pub mod shadow_map;
+pub mod sheet;
 pub mod slice;
 mod svg;
 pub mod table;

@@ -8,6 +8,7 @@ pub mod glyphs;
 pub mod grids;
 pub mod ink;
 pub mod lobes;
+pub mod mesh_cut;
 pub mod placing;
 pub mod scales;
 pub mod space;

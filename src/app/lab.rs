@@ -211,7 +211,8 @@ impl Lab {
 
     /// Whether nothing is being computed or waited for.
     pub fn is_idle(&self) -> bool {
-        self.session.is_idle() && !self.film.is_underway()
+        let workspace = self.workspaces.is_idle(self.session.settings.workspace);
+        self.session.is_idle() && !self.film.is_underway() && workspace
     }
 
     /// Whether the results were made from another scene than the one as it is now.

@@ -15,6 +15,7 @@ pub mod guide;
 pub mod items;
 pub mod line;
 pub mod pareto;
+pub mod picture;
 pub mod pin;
 pub mod place;
 pub mod plots;
@@ -76,6 +77,8 @@ pub struct Session {
     pub asides: Asides,
     /// The port that is looked at.
     pub port: port::Port,
+    /// How pictures are looked at.
+    pub picture: picture::Glass,
     /// The window's size, in points.
     pub size: egui::Vec2,
     /// What the pointer does in the views.
@@ -106,6 +109,7 @@ impl Session {
             comparison: Comparison::default(),
             asides: Asides::default(),
             port: port::Port::default(),
+            picture: picture::Glass::default(),
             size: egui::vec2(1280.0, 720.0),
             tool: Tool::default(),
             selected: None,

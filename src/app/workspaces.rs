@@ -34,7 +34,8 @@ pub struct Workspaces {
     /// The grids, light in space, comparison and plots.
     pub light: light::Light,
     scene: scene::Scene,
-    picture: picture::Picture,
+    /// What a camera sees, and its truth.
+    pub picture: picture::Picture,
     study: study::Study,
 }
 
@@ -46,6 +47,15 @@ impl Workspaces {
             Workspace::Scene => &mut self.scene,
             Workspace::Picture => &mut self.picture,
             Workspace::Study => &mut self.study,
+        }
+    }
+
+    /// Whether one of them waits for nothing of its own.
+    pub fn is_idle(&self, workspace: Workspace) -> bool {
+        match workspace {
+            Workspace::Scene => self.scene.is_idle(),
+            Workspace::Picture => self.picture.is_idle(),
+            Workspace::Light | Workspace::Study => true,
         }
     }
 }

@@ -6,6 +6,9 @@ use image::{ExtendedColorType, ImageEncoder};
 use super::raster::RasterError;
 use crate::render::image::{Image, encode};
 
+/// The powers of ten that false colours span.
+pub const DECADES: f64 = 3.0;
+
 /// A picture as it looks at an exposure, in sRGB.
 ///
 /// # Errors
@@ -31,13 +34,18 @@ pub fn side_by_side(images: &[&Image], exposure: f32) -> Result<Vec<u8>, RasterE
 /// # Errors
 /// As [`png`].
 pub fn difference(reference: &Image, test: &Image, exposure: f32) -> Result<Vec<u8>, RasterError> {
-    let bytes = reference.pixels().iter().zip(test.pixels()).flat_map(|(r, t)| {
+    packed(reference.size(), &difference_pixels(reference, test, exposure))
+}
+
+/// The pixels of [`difference`], eight bits a channel, row by row from the top.
+pub fn difference_pixels(reference: &Image, test: &Image, exposure: f32) -> Vec<u8> {
+    let pixel = |(r, t): (&[f32; 3], &[f32; 3])| {
         let by: f32 = (0..3).map(|c| t[c] - r[c]).sum::<f32>() / 3.0 * exposure;
         let left = f64::from(1.0 - by.abs().min(1.0));
         let [strong, weak] = [1.0, encode(left)].map(|v| (v * 255.0).round() as u8);
         if by > 0.0 { [strong, weak, weak] } else { [weak, weak, strong] }
-    });
-    packed(reference.size(), &bytes.collect::<Vec<u8>>())
+    };
+    reference.pixels().iter().zip(test.pixels()).flat_map(pixel).collect()
 }
 
 /// A map of numbers from 0 to 1, row by row: black over violet and orange to pale yellow.
@@ -46,8 +54,22 @@ pub fn difference(reference: &Image, test: &Image, exposure: f32) -> Result<Vec<
 /// As [`png`].
 pub fn map(width: usize, numbers: &[f64]) -> Result<Vec<u8>, RasterError> {
     let width = width.max(1);
-    let bytes: Vec<u8> = numbers.iter().flat_map(|number| heat(*number)).collect();
-    packed([width, numbers.len() / width], &bytes)
+    packed([width, numbers.len() / width], &map_pixels(numbers))
+}
+
+/// The pixels of [`map`], eight bits a channel.
+pub fn map_pixels(numbers: &[f64]) -> Vec<u8> {
+    numbers.iter().flat_map(|number| heat(*number)).collect()
+}
+
+/// A picture's brightness as a [`map`]: over [`DECADES`] powers of ten up to what is white at an exposure. The mean of
+/// the colours counts.
+pub fn false_colour(image: &Image, exposure: f32) -> Vec<u8> {
+    let share = |pixel: &[f32; 3]| {
+        let shown = f64::from(pixel.iter().sum::<f32>() / 3.0 * exposure);
+        if shown > 0.0 { 1.0 + shown.log10() / DECADES } else { 0.0 }
+    };
+    map_pixels(&image.pixels().iter().map(share).collect::<Vec<f64>>())
 }
 
 /// Between colours that grow lighter at an even pace.
@@ -60,7 +82,7 @@ fn heat(number: f64) -> [u8; 3] {
     std::array::from_fn(|c| (STOPS[i][c] * (1.0 - part) + STOPS[i + 1][c] * part).round() as u8)
 }
 
-fn packed([width, height]: [usize; 2], rgb: &[u8]) -> Result<Vec<u8>, RasterError> {
+pub(super) fn packed([width, height]: [usize; 2], rgb: &[u8]) -> Result<Vec<u8>, RasterError> {
     let size = RasterError::Size { width: width as u32, height: height as u32 };
     if width == 0 || height == 0 || rgb.len() != 3 * width * height {
         return Err(size);
@@ -99,6 +121,16 @@ mod tests {
         assert_eq!(of(0.5), [255, 255, 255]);
         let (red, blue) = (of(1.0), of(0.0));
         assert!(red[0] == 255 && red[1] < 255 && blue[2] == 255 && blue[0] < 255);
+    }
+
+    #[test]
+    fn false_colours_go_by_powers_of_ten() {
+        let image = |v: f32| Image::from_fn([1, 1], |_, _| [v; 3]);
+        let of = |v: f32, exposure: f32| false_colour(&image(v), exposure);
+        assert_eq!((of(1.0, 1.0), of(0.0, 1.0)), (vec![252, 253, 191], vec![0, 0, 4]));
+        assert_eq!(of(0.25, 4.0), of(1.0, 1.0), "the exposure counts");
+        // Three decades over four steps: half of them down is the stop in the middle.
+        assert_eq!(of(10f32.powf(-1.5), 1.0), vec![183, 55, 121]);
     }
 
     #[test]

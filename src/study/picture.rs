@@ -14,7 +14,7 @@ use crate::render::image::Image;
 use crate::render::seen::Seen;
 
 /// The share of the mean squared that relMSE adds to each divisor.
-const FLOOR: f64 = 0.01;
+pub const FLOOR: f64 = 0.01;
 
 /// How far a picture is from a reference.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,6 +10,7 @@ mod drops;
 mod exports;
 mod fields;
 mod palette;
+mod picture;
 mod plots;
 mod recovery;
 mod settings;

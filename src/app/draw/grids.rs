@@ -7,6 +7,7 @@ use egui::{Align2, Color32, FontId, Mesh, Pos2, Rect, Response, Sense, Shape, Te
 use crate::app::draw::borders;
 use crate::app::draw::glyphs::meshes;
 use crate::app::draw::ink::color;
+use crate::app::draw::mesh_cut::MeshCut;
 use crate::app::draw::placing::{Placing, Style};
 use crate::app::draw::scales::{Scale, Scales};
 use crate::app::draw::sprites;
@@ -120,6 +121,8 @@ pub struct Grids {
     span: Option<Span>,
     /// The shapes of small glyphs, once there is something to draw.
     sprites: Option<TextureHandle>,
+    /// Where the views' plane cuts the scene's mesh.
+    pub mesh: MeshCut,
 }
 
 impl Grids {

@@ -57,6 +57,13 @@ impl Eye {
         }
     }
 
+    /// The place of the eye, in sides of the volume from its middle, and the tangent of half the angle of view over
+    /// the shorter side of the screen. What is panned aside is left out.
+    pub fn place(&self) -> (Vec3, f32) {
+        let turn = Mat3::from_rotation_x(self.pitch) * Mat3::from_rotation_y(self.yaw);
+        (turn.transpose() * vec3(0.0, 0.0, DISTANCE), 1.0 / (DISTANCE * self.zoom))
+    }
+
     /// A move on screen of a place in the volume, in finest cells: in the plane across the view through that place.
     pub fn drag(&self, projection: &Projection, at: Vec3, moved: Vec2) -> Vec3 {
         let (_, nearness) = projection.screen(projection.seen(at));
@@ -66,8 +73,9 @@ impl Eye {
 }
 
 /// How places in the volume come on screen.
+#[derive(Clone, Copy, Debug)]
 pub struct Projection {
-    turn: Mat3,
+    pub(super) turn: Mat3,
     centre: Pos2,
     scale: f32,
     side: f32,
@@ -97,6 +105,11 @@ impl Projection {
     pub fn facing(&self, at: Vec3, normal: Vec3) -> f32 {
         let to_eye = vec3(0.0, 0.0, DISTANCE) - self.seen(at);
         (self.turn * normal).dot(to_eye.normalize_or_zero())
+    }
+
+    /// How many points a length of one finest cell takes up on screen at a place.
+    pub fn points(&self, at: Vec3) -> f32 {
+        self.scale / self.side * self.screen(self.seen(at)).1
     }
 
     /// A place in finest cells, on screen.
@@ -224,16 +237,10 @@ fn draw(key: &Key, theme: &Theme) -> Mesh {
     let mut cells: Vec<(f32, Solid)> = lit.collect();
     cells.extend(occupied.iter().map(|centre| (depth(*centre), Solid::Occupied(*centre))));
     cells.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let strongest = key.cloud.cells.iter().map(|cell| peak(key.view.hue.of(cell.light), Axis::Z)).fold(0.0, f32::max);
-    let full = strongest.max(f32::MIN_POSITIVE);
-    let scale = match key.view.scaling {
-        Scaling::Linear => GlyphScale::Linear { full },
-        Scaling::Log => GlyphScale::Log { full, decades: key.view.decades },
-        Scaling::PerGlyph => GlyphScale::PerGlyph,
-    };
+    let dress = Dress::of(&key.cloud, &key.view);
     let mut ink = Ink::default();
     let mut pen = Pen {
-        glyphs: Glyphs::new(Axis::Z, scale, LOBE_POINTS),
+        glyphs: dress.glyphs(),
         outline: Outline::default(),
         positive: color(theme.glyph),
         negative: color(theme.negative),
@@ -246,21 +253,53 @@ fn draw(key: &Key, theme: &Theme) -> Mesh {
                 continue;
             }
         };
-        let light = key.view.hue.of(cell.light);
-        let share = scale.share(peak(light, Axis::Z), full).clamp(0.0, 1.0);
-        let paint = match key.view.paint {
-            // One colour alone would hide how strong the light is.
-            Paint::Single if !key.lobes => theme.glyph.towards(theme.ground, 0.75 * (1.0 - share)),
-            paint => paint.glyph(theme, cell.light, light, key.view.axis, share),
-        };
+        let (share, paint) = dress.worn(cell, &key.view, key.lobes, theme);
         if key.lobes {
             pen.positive = color(paint);
-            lobe(&mut ink, &projection, cell, light, &mut pen);
+            lobe(&mut ink, &projection, cell, key.view.hue.of(cell.light), &mut pen);
         } else {
             cube(&mut ink, &projection, cell.centre, cell.span * (0.35 + 0.6 * share), paint, theme);
         }
     }
     ink.mesh
+}
+
+/// How large and in which colour lit cells are drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Dress {
+    scale: GlyphScale,
+    full: f32,
+}
+
+impl Dress {
+    /// That of a cloud: its strongest cell is the largest.
+    pub fn of(cloud: &Cloud, view: &View) -> Self {
+        let strongest = cloud.cells.iter().map(|cell| peak(view.hue.of(cell.light), Axis::Z)).fold(0.0, f32::max);
+        let full = strongest.max(f32::MIN_POSITIVE);
+        let scale = match view.scaling {
+            Scaling::Linear => GlyphScale::Linear { full },
+            Scaling::Log => GlyphScale::Log { full, decades: view.decades },
+            Scaling::PerGlyph => GlyphScale::PerGlyph,
+        };
+        Dress { scale, full }
+    }
+
+    /// A cell's share of the largest size, and its colour.
+    pub fn worn(&self, cell: &CloudCell, view: &View, lobes: bool, theme: &Theme) -> (f32, Rgb) {
+        let light = view.hue.of(cell.light);
+        let share = self.scale.share(peak(light, Axis::Z), self.full).clamp(0.0, 1.0);
+        let paint = match view.paint {
+            // One colour alone would hide how strong the light is.
+            Paint::Single if !lobes => theme.glyph.towards(theme.ground, 0.75 * (1.0 - share)),
+            paint => paint.glyph(theme, cell.light, light, view.axis, share),
+        };
+        (share, paint)
+    }
+
+    /// What draws outlines of lobes.
+    pub fn glyphs(&self) -> Glyphs {
+        Glyphs::new(Axis::Z, self.scale, LOBE_POINTS)
+    }
 }
 
 /// What lobes are drawn with.

@@ -1,5 +1,5 @@
-//! A mesh in its volume, shaded, with its virtual point lights and occupied cells: pixels of their own depth, so that
-//! what is nearer hides what is behind it however large triangles are.
+//! A mesh in its volume, shaded, with its virtual point lights, occupied cells and the light in cells: pixels of their
+//! own depth, so that what is nearer hides what is behind it however large triangles are.
 //!
 //! Sides that face away are left out on request: of a room whose walls face inwards one sees the inside from without.
 
@@ -7,9 +7,13 @@ use egui::{Color32, ColorImage, Pos2, Rect, pos2, vec2};
 use glam::Vec3;
 
 use super::ink::color;
-use super::space::{Eye, Projection};
+use super::space::{Dress, Eye, Projection};
+use crate::app::session::view::View;
+use crate::app::worker::look::{Cloud, CloudCell};
 use crate::report::colour::Theme;
+use crate::report::glyph::{Glyphs, Outline};
 use crate::scene::Stage;
+use crate::sh::Sh;
 
 /// What is drawn of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,8 +41,26 @@ struct Canvas {
     size: [usize; 2],
 }
 
+/// The light in cells, and how it is drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Light<'a> {
+    /// The lit cells.
+    pub cloud: &'a Cloud,
+    /// How light is looked at.
+    pub view: &'a View,
+    /// Lobes in place of cubes.
+    pub lobes: bool,
+}
+
 /// The scene as the eye sees it, `size` pixels wide and high.
-pub fn picture(stage: &Stage, eye: &Eye, size: [usize; 2], shown: Shown, theme: &Theme) -> ColorImage {
+pub fn picture(
+    stage: &Stage,
+    light: Option<Light>,
+    eye: &Eye,
+    size: [usize; 2],
+    shown: Shown,
+    theme: &Theme,
+) -> ColorImage {
     let rect = Rect::from_min_size(Pos2::ZERO, vec2(size[0] as f32, size[1] as f32));
     let projection = Projection::new(eye, rect, stage.placement.size);
     let mut canvas = Canvas {
@@ -65,8 +87,11 @@ pub fn picture(stage: &Stage, eye: &Eye, size: [usize; 2], shown: Shown, theme: 
     if shown.cells {
         for solid in &stage.voxels.solids {
             let middle = Vec3::from_array(solid.cell.map(|c| c as f32 + 0.5));
-            canvas.cube(middle, 0.42, &projection, &seen, solid.albedo);
+            canvas.cube(middle, 0.42, &projection, &seen, |facing| shade(solid.albedo, facing));
         }
+    }
+    if let Some(light) = light {
+        canvas.light(&light, &projection, &seen, theme);
     }
     if shown.emitters {
         let brightest = stage.emitters().flat_map(|e| e.flux).fold(f64::MIN_POSITIVE, f64::max);
@@ -120,7 +145,7 @@ impl Canvas {
         half: f32,
         projection: &Projection,
         seen: &impl Fn(Vec3) -> (Pos2, f32),
-        albedo: [f64; 3],
+        paint: impl Fn(f64) -> Color32,
     ) {
         for axis in 0..3 {
             for sign in [-1.0, 1.0] {
@@ -132,9 +157,61 @@ impl Canvas {
                 }
                 let (u, v) = (Vec3::AXES[(axis + 1) % 3] * half, Vec3::AXES[(axis + 2) % 3] * half);
                 let [a, b, c, d] = [face - u - v, face + u - v, face + u + v, face - u + v].map(seen);
-                let color = shade(albedo, f64::from(0.35 + 0.65 * facing));
+                let color = paint(f64::from(0.35 + 0.65 * facing));
                 self.triangle([a, b, c], color);
                 self.triangle([a, c, d], color);
+            }
+        }
+    }
+
+    /// Every lit cell, as a cube or as a lobe in the plane across the line of sight.
+    fn light(&mut self, light: &Light, projection: &Projection, seen: &impl Fn(Vec3) -> (Pos2, f32), theme: &Theme) {
+        let dress = Dress::of(light.cloud, light.view);
+        let (glyphs, mut outline) = (dress.glyphs(), Outline::default());
+        for cell in &light.cloud.cells {
+            let (share, paint) = dress.worn(cell, light.view, light.lobes, theme);
+            let centre = Vec3::from_array(cell.centre);
+            if light.lobes {
+                self.lobe(
+                    cell,
+                    light.view,
+                    &glyphs,
+                    &mut outline,
+                    projection,
+                    seen,
+                    [color(paint), color(theme.negative)],
+                );
+            } else {
+                // Small enough that the mesh is seen between them.
+                let half = cell.span * (0.05 + 0.2 * share);
+                let lit = |facing: f64| color(paint.towards(theme.ground, 0.55 * (1.0 - facing as f32)));
+                self.cube(centre, half, projection, seen, lit);
+            }
+        }
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "a lobe needs its cell, its shape, its place and its colours")]
+    fn lobe(
+        &mut self,
+        cell: &CloudCell,
+        view: &View,
+        glyphs: &Glyphs,
+        outline: &mut Outline,
+        projection: &Projection,
+        seen: &impl Fn(Vec3) -> (Pos2, f32),
+        colors: [Color32; 2],
+    ) {
+        let Sh([c00, x, y, z]) = view.hue.of(cell.light);
+        let turned = projection.turn * Vec3::new(x, y, z);
+        glyphs.outline(Sh([c00, turned.x, turned.y, turned.z]), outline);
+        let centre = Vec3::from_array(cell.centre);
+        let (at, depth) = seen(centre);
+        let side = cell.span * projection.points(centre);
+        for (polygon, color) in [&outline.positive, &outline.negative].into_iter().zip(colors) {
+            let corner = |[x, y]: [f32; 2]| (at + vec2(x, -y) * side, depth);
+            for (i, from) in polygon.iter().enumerate() {
+                let to = polygon[(i + 1) % polygon.len()];
+                self.triangle([(at, depth), corner(*from), corner(to)], color);
             }
         }
     }

@@ -48,6 +48,7 @@ impl Lab {
             Ask::Leave(next) => self.ask_to_lose(next, ctx),
             Ask::Say(text) => session.say(text),
             Ask::Port(port) => session.port = *port,
+            Ask::Picture(glass) => session.picture = glass,
             Ask::Dismiss => session.notice = None,
             Ask::DismissGuide => session.guide = None,
             Ask::SeekTruth(true) => session.asides.truth.try_again(),
@@ -68,13 +69,17 @@ impl Lab {
             Command::Save if path.is_some() => self.session.save(None),
             Command::Save | Command::SaveAs => self.dialog.ask(Purpose::SaveAs, path),
             Command::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
-            Command::WholeSlice => self.workspaces.light.whole(),
+            Command::WholeSlice => {
+                self.workspaces.light.whole();
+                self.workspaces.picture.whole();
+            }
             Command::ExportCsv
             | Command::ExportSvg
             | Command::ExportPng
             | Command::ExportGrids
             | Command::ExportFilm
-            | Command::ExportFrames => self.dialog.ask(Purpose::Export(command), path),
+            | Command::ExportFrames
+            | Command::ExportSheet => self.dialog.ask(Purpose::Export(command), path),
             Command::CopyCurves | Command::CopyPlots | Command::CopyGrids => {
                 match export::copy(&self.session, command, ctx) {
                     Ok(done) => self.session.say(done.to_owned()),
@@ -95,6 +100,12 @@ impl Lab {
             Purpose::SaveAs => self.session.save(Some(path.to_path_buf())),
             Purpose::Export(command @ (Command::ExportFilm | Command::ExportFrames)) => {
                 self.film.begin(&mut self.session, command, path);
+            }
+            Purpose::Export(Command::ExportSheet) => {
+                match self.workspaces.picture.save_sheet(&self.session, path, ctx) {
+                    Ok(()) => self.session.say(format!("Saved {}", path.display())),
+                    Err(line) => self.session.fail(line),
+                }
             }
             Purpose::Export(command) => match export::save(&self.session, command, path) {
                 Ok(()) => self.session.say(format!("Saved {}", path.display())),

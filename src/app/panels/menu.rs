@@ -9,13 +9,14 @@ use crate::app::session::command::Command;
 use crate::scene::builtin;
 
 /// What can be taken home.
-pub const EXPORTS: [Command; 6] = [
+pub const EXPORTS: [Command; 7] = [
     Command::ExportCsv,
     Command::ExportSvg,
     Command::ExportPng,
     Command::ExportGrids,
     Command::ExportFilm,
     Command::ExportFrames,
+    Command::ExportSheet,
 ];
 
 /// The menu bar.
@@ -86,12 +87,13 @@ fn device(ui: &mut Ui, session: &Session, asks: &mut Asks) {
 }
 
 fn view(ui: &mut Ui, session: &Session, asks: &mut Asks) {
-    let groups: [&[Command]; 5] = [
+    let groups: [&[Command]; 6] = [
         &[Command::Grids, Command::Compare, Command::Space],
         &[Command::Errors, Command::Line, Command::RunTime],
         &[Command::Merged, Command::Finer, Command::Coarser, Command::NextPaint],
         &[Command::NextAxis, Command::SliceDown, Command::SliceUp, Command::WholeSlice],
         &[Command::First, Command::Back, Command::Forward, Command::Last, Command::Restart],
+        &[Command::SplitPicture, Command::FalseColour, Command::RefineTruth],
     ];
     for group in groups {
         items(ui, session, group, asks);

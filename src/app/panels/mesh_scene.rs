@@ -1,11 +1,13 @@
 //! The panel where a scene with a mesh is edited: the mesh, its volume, its lights; and what they come to.
 
 use egui::{DragValue, RichText, ScrollArea, Ui};
+use glam::DVec3;
 
-use super::button::small_button;
+use super::button::{button, small_button};
 use super::field::{self, choice, name, row, vector};
 use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
+use crate::app::session::command::Command;
 use crate::app::session::purpose::Purpose;
 use crate::scene::Stage;
 use crate::scene::mesh_scene::{Injection, LARGEST_MAP, Light, LightKind, MOST_LIGHTS, MeshScene, Volume};
@@ -15,33 +17,48 @@ pub fn ui(ui: &mut Ui, session: &Session, stage: Option<&Stage>, asks: &mut Asks
     let before = &session.document.preset;
     let mut preset = before.clone();
     ui.horizontal(|ui| {
-        let open = if preset.scene.is_some() { "Another mesh…" } else { "Open a mesh…" };
-        if ui.button(open).on_hover_text("An .obj, .gltf or .glb beside the preset; or drop one").clicked() {
+        if preset.scene.is_none() {
+            ui.label("No mesh");
+            return;
+        }
+        let about = "An .obj, .gltf or .glb beside the preset; or drop one";
+        if ui.button("Another mesh…").on_hover_text(about).clicked() {
             asks.ask(Ask::Choose(Purpose::Mesh));
         }
-        if preset.scene.is_some() && ui.button("Take out").on_hover_text("Go on without a mesh").clicked() {
+        if ui.button("Take out").on_hover_text("Go on without a mesh").clicked() {
             preset.scene = None;
         }
     });
     ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
         if let Some(scene) = &mut preset.scene {
             ui.label(scene.mesh.display().to_string());
-            volume(ui, scene, before.size);
+            volume(ui, scene, before.size, stage);
             lights(ui, scene, stage);
             if let Some(stage) = stage {
                 account(ui, stage);
             }
-        } else {
-            ui.label(
-                "The preset has no mesh. Built-in presets with one: cornell, cube-room, room-with-windows, atrium.",
-            );
         }
     });
     asks.changed(before, preset, |preset| Ask::Preset(Box::new(preset)));
 }
 
+/// What is missing where there is no mesh, and how it is added.
+pub fn missing(ui: &mut Ui, session: &Session, asks: &mut Asks) {
+    ui.add_space(24.0);
+    ui.vertical_centered(|ui| {
+        ui.label("This preset has no mesh, so there is nothing for a lamp to light or a camera to see.");
+        ui.label("Open a mesh, or take a preset that has one: cornell, cube-room, room-with-windows, atrium.");
+        ui.add_space(8.0);
+        if ui.button("Open a mesh…").on_hover_text("An .obj, .gltf or .glb beside the preset; or drop one").clicked()
+        {
+            asks.ask(Ask::Choose(Purpose::Mesh));
+        }
+        button(ui, session, Command::Gallery, asks);
+    });
+}
+
 /// Where the volume lies, and how lights are sampled.
-fn volume(ui: &mut Ui, scene: &mut MeshScene, size: usize) {
+fn volume(ui: &mut Ui, scene: &mut MeshScene, size: usize, stage: Option<&Stage>) {
     ui.add_space(6.0);
     ui.label(RichText::new("Volume").strong());
     let mut fits = matches!(scene.volume, Volume::Fit { .. });
@@ -59,7 +76,11 @@ fn volume(ui: &mut Ui, scene: &mut MeshScene, size: usize) {
             field::number(ui, "Side", "In metres", DragValue::new(side).range(1e-3..=1e6).speed(0.02).suffix(" m"));
         }
         (other, true) => *other = Volume::default(),
-        (other, false) => *other = Volume::Cube { center: [0.0; 3], side: 1.0 },
+        // A cube begins where the volume was.
+        (other, false) => {
+            let [low, high] = stage.map_or([DVec3::ZERO, DVec3::ONE], |stage| stage.placement.bounds());
+            *other = Volume::Cube { center: ((low + high) / 2.0).to_array(), side: (high - low).x };
+        }
     }
     let map = DragValue::new(&mut scene.shadow_map).range(1..=LARGEST_MAP);
     field::number(ui, "Shadow map", "Texels along a side of a face, all of them injected", map);

@@ -42,6 +42,14 @@ pub fn ui(
     let manner = Manner { view: &session.settings.view, theme, scales, paint, marks: &marks, between, marks_cells };
     let room = ui.available_rect_before_wrap();
     let pointed = grids.ui(ui, &session.sight.shown, &session.titles(), &manner);
+    if let Some(stage) = session.run.problem.as_ref().and_then(|problem| problem.stage.as_ref())
+        && session.settings.view.occluders
+    {
+        let placings = grids.placings().to_vec();
+        for (shown, placing) in session.sight.shown.iter().zip(&placings) {
+            grids.mesh.draw(ui.painter(), stage, shown.slice.plane, placing, theme);
+        }
+    }
     for (shown, placing) in session.sight.shown.iter().zip(grids.placings()) {
         ui.push_id(("canvas", placing.clip.left() as i32, placing.clip.top() as i32), |ui| {
             canvas::ui(ui, session, placing, shown.slice.plane, theme, asks);

@@ -7,6 +7,7 @@ use super::command::Command;
 use super::comparison::Comparison;
 use super::curves::Curves;
 use super::items::Item;
+use super::picture::Glass;
 use super::plots::Plots;
 use super::port::Port;
 use super::purpose::Purpose;
@@ -56,6 +57,8 @@ pub enum Ask {
     Say(String),
     /// The port that is looked at.
     Port(Box<Port>),
+    /// How pictures are looked at.
+    Picture(Glass),
     /// Dismiss what is said.
     Dismiss,
     /// Dismiss what to look for.

@@ -106,12 +106,20 @@ pub enum Command {
     ExportFilm,
     /// Save all iterations as numbered pictures.
     ExportFrames,
+    /// Save what the Picture workspace shows as one sheet.
+    ExportSheet,
     /// Put what the plots show on the clipboard, as a table.
     CopyCurves,
     /// Put the plots on the clipboard, as a picture.
     CopyPlots,
     /// Put what the grids show on the clipboard, as a picture.
     CopyGrids,
+    /// Two pictures under a bar, or all side by side.
+    SplitPicture,
+    /// Radiance as a scale of colours, or as a display shows it.
+    FalseColour,
+    /// Refine the truth of the picture, or pause.
+    RefineTruth,
     /// All commands, presets and settings by name.
     Palette,
     /// The built-in presets with their pictures.
@@ -134,7 +142,7 @@ pub enum Command {
 
 impl Command {
     /// All of them, in the order of the keyboard reference.
-    pub const ALL: [Command; 61] = [
+    pub const ALL: [Command; 65] = [
         Command::Open,
         Command::Save,
         Command::SaveAs,
@@ -184,9 +192,13 @@ impl Command {
         Command::ExportGrids,
         Command::ExportFilm,
         Command::ExportFrames,
+        Command::ExportSheet,
         Command::CopyCurves,
         Command::CopyPlots,
         Command::CopyGrids,
+        Command::SplitPicture,
+        Command::FalseColour,
+        Command::RefineTruth,
         Command::Palette,
         Command::Gallery,
         Command::FoldScene,
@@ -244,7 +256,7 @@ impl Command {
             Command::Coarser => ("Coarser level", "Show the next coarser level"),
             Command::Merged => ("Merged levels", "Show the merged levels, or level 0"),
             Command::NextPaint => ("Next colouring", "Have the glyphs' colour tell something else"),
-            Command::WholeSlice => ("Whole slice", "Zoom and pan back to the whole slice"),
+            Command::WholeSlice => ("Whole slice", "Zoom and pan back to the whole slice, or picture"),
             Command::ToLight => ("Light workspace", "How light travels: grids, space, comparison and plots"),
             Command::ToScene => ("Scene workspace", "The scene in space: mesh, lights and occluders"),
             Command::ToPicture => ("Picture workspace", "What a camera sees, and its truth"),
@@ -263,9 +275,13 @@ impl Command {
             Command::ExportGrids => ("Grids as SVG or PNG…", "Save the slices that are shown as a picture"),
             Command::ExportFilm => ("Run as animation…", "Save the slices of all iterations as an animated PNG"),
             Command::ExportFrames => ("Run as numbered pictures…", "Save the slices of each iteration as a PNG"),
+            Command::ExportSheet => ("Pictures as sheet…", "Save the pictures and their truth side by side, as a PNG"),
             Command::CopyCurves => ("Copy curves", "Put the numbers that the plots show on the clipboard, as CSV"),
             Command::CopyPlots => ("Copy plots", "Put the plots on the clipboard, as a picture"),
             Command::CopyGrids => ("Copy grids", "Put the slices that are shown on the clipboard, as a picture"),
+            Command::SplitPicture => ("Split picture", "Two pictures under a bar, or all side by side"),
+            Command::FalseColour => ("False colour", "Radiance as a scale of colours, three powers of ten"),
+            Command::RefineTruth => ("Refine the truth", "Trace more paths while you look, or pause"),
             Command::Palette => ("Commands…", "Find a command, a preset or a setting by its name"),
             Command::Gallery => ("Gallery…", "The built-in presets, with pictures and what to look for"),
             Command::FoldScene => ("Fold the scene", "Fold the panel of the scene to a strip, or open it"),
@@ -345,6 +361,9 @@ impl Command {
             Command::CopyCurves => with_both(Key::C),
             Command::CopyPlots => with_both(Key::P),
             Command::CopyGrids => with_both(Key::G),
+            Command::SplitPicture => plain(Key::S),
+            Command::FalseColour => plain(Key::F),
+            Command::RefineTruth => plain(Key::U),
             Command::ExportCsv => with_control(Key::E),
             Command::Palette => with_control(Key::P),
             Command::Gallery => with_control(Key::G),
@@ -359,7 +378,8 @@ impl Command {
             | Command::ExportPng
             | Command::ExportGrids
             | Command::ExportFilm
-            | Command::ExportFrames => None,
+            | Command::ExportFrames
+            | Command::ExportSheet => None,
         }
     }
 

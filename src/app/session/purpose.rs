@@ -45,9 +45,9 @@ impl Purpose {
         }
     }
 
-    /// Whether a picture is made, which has a size and colours.
+    /// Whether a picture is made whose size and colours are chosen.
     pub fn is_picture(self) -> bool {
-        matches!(self, Purpose::Export(command) if command != Command::ExportCsv)
+        matches!(self, Purpose::Export(command) if !matches!(command, Command::ExportCsv | Command::ExportSheet))
     }
 
     /// Whether the file is written.
@@ -64,7 +64,9 @@ impl Purpose {
             Purpose::Dump => &["npy", "csv"],
             Purpose::Occluder(_) | Purpose::Export(Command::ExportCsv) => &["csv"],
             Purpose::Export(Command::ExportSvg) => &["svg"],
-            Purpose::Export(Command::ExportPng | Command::ExportFilm | Command::ExportFrames) => &["png"],
+            Purpose::Export(
+                Command::ExportPng | Command::ExportFilm | Command::ExportFrames | Command::ExportSheet,
+            ) => &["png"],
             Purpose::Export(_) => &["svg", "png"],
         }
     }

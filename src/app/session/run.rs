@@ -158,10 +158,11 @@ impl Run {
     }
 }
 
-/// What of a preset changes its results: all but its title and how far Run all goes.
+/// What of a preset changes its results: all but its title, how far Run all goes and who looks at it.
 fn essence(preset: &Preset) -> Preset {
     let mut essence = preset.clone();
     essence.title.clear();
     essence.propagation.iterations = 0;
+    essence.scene.iter_mut().for_each(|scene| scene.camera = None);
     essence
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::Session;
 use super::plots::{Plots, Tab};
-use super::view::{Scaling, Stage};
+use super::view::{Scaling, Stage, Workspace};
 use crate::app::worker::Order;
 use crate::app::worker::look::{Brightest, Cloud, CloudAsk, Light, Look, Of, Pane, Pin, PinSample, Shown, State};
 use crate::app::worker::rival::sides;
@@ -20,11 +20,13 @@ pub struct SpaceLook {
     pub lobes: bool,
     /// The share of the strongest light below which cells are left out.
     pub threshold: f32,
+    /// Whether it is drawn over the mesh, too.
+    pub over_mesh: bool,
 }
 
 impl Default for SpaceLook {
     fn default() -> Self {
-        SpaceLook { lobes: false, threshold: 0.01 }
+        SpaceLook { lobes: false, threshold: 0.01, over_mesh: true }
     }
 }
 
@@ -133,7 +135,12 @@ impl Session {
         let view = &self.settings.view;
         let state = State { of: Of::Track(0), iteration: self.run.at };
         let pane = |light| Pane { light, state, minus: None };
+        let over_mesh = self.settings.workspace == Workspace::Scene && self.sight.space.over_mesh;
         let (panes, cloud) = match view.stage {
+            _ if over_mesh && self.document.preset.scene.is_some() => {
+                let ask = CloudAsk { pane: pane(self.comparison.light), threshold: self.sight.space.threshold };
+                (vec![ask.pane], Some(ask))
+            }
             Stage::Grids => (Light::ALL.map(pane).to_vec(), None),
             Stage::Compare => (self.comparison.panes(self.run.at, &self.run.others), None),
             Stage::Space => {

@@ -30,6 +30,7 @@ impl Session {
             Command::RunBefore => run.branches.around()[0],
             Command::RunAfter => run.branches.around()[1],
             Command::Measure => run.problem.is_some() && !self.asides.pareto.is_underway(),
+            Command::ExportSheet => self.document.preset.scene.is_some(),
             Command::KeepRun => run.curves.iter().any(|curves| !curves.rows.is_empty()),
             _ => true,
         }
@@ -104,6 +105,9 @@ impl Session {
             Command::LightTool => self.tool = Tool::Light,
             Command::OccluderTool => self.tool = Tool::Occluder,
             Command::ProbeTool => self.tool = Tool::Probe,
+            Command::SplitPicture => self.picture.turn_split(),
+            Command::FalseColour => self.picture.false_colour = !self.picture.false_colour,
+            Command::RefineTruth => self.picture.refine = !self.picture.refine,
             Command::FoldScene => self.settings.folds.turn_scene(self.size),
             Command::FoldPlots => self.settings.folds.turn_plots(self.size),
             _ => return false,

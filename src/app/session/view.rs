@@ -113,7 +113,7 @@ pub enum Workspace {
 
 impl Workspace {
     /// Those that there is something in.
-    pub const FILLED: &[Workspace] = &[Workspace::Light, Workspace::Scene, Workspace::Study];
+    pub const FILLED: &[Workspace] = &[Workspace::Light, Workspace::Scene, Workspace::Picture, Workspace::Study];
 
     /// Its name on screen.
     pub fn name(self) -> &'static str {

@@ -1,26 +1,31 @@
-//! The scene as a mesh in space, with its lights: moved by numbers or by their handles, their shadow maps below.
+//! The scene as a mesh in space, with its lights: moved by numbers or by their handles, their shadow maps below. The
+//! light of the run lies over the mesh, and follows a light while it is dragged.
+
+mod handles;
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use egui::{
-    CentralPanel, Color32, ColorImage, Context, Frame, Image, Panel, Rect, Sense, Stroke, TextureHandle,
+    CentralPanel, Color32, ColorImage, Context, DragValue, Frame, Image, Panel, Rect, Sense, TextureHandle,
     TextureOptions, Ui, vec2,
 };
-use glam::DVec3;
 
 use super::Panels;
-use crate::app::draw::ink::color;
 use crate::app::draw::space::{Eye, Projection};
-use crate::app::draw::stage::{Shown, picture};
+use crate::app::draw::stage::{Light, Shown, picture};
 use crate::app::draw::style::theme;
+use crate::app::panels::field::{self, name};
 use crate::app::panels::mesh_scene;
 use crate::app::session::Session;
 use crate::app::session::asides::{Aside, Watch};
 use crate::app::session::ask::{Ask, Asks};
+use crate::app::session::view::View;
+use crate::app::worker::look::Cloud;
+use crate::report::colour::Theme;
 use crate::report::shadow_map::{self, Aspect};
 use crate::scene::Stage;
-use crate::scene::mesh_scene::{LightKind, MeshScene};
+use crate::scene::mesh_scene::MeshScene;
 use crate::scene::shadow_map::ShadowMap;
 use crate::scene::stage::Cache;
 
@@ -37,8 +42,6 @@ pub struct Scene {
     shown: Shown,
     /// The picture in view with what it shows.
     drawn: Option<(Drawn, TextureHandle)>,
-    /// The light whose handle is being dragged.
-    held: Option<usize>,
     aspect: Aspect,
     maps: Vec<(Arc<ShadowMap>, Aspect, TextureHandle)>,
 }
@@ -47,6 +50,10 @@ pub struct Scene {
 #[derive(Clone)]
 struct Drawn {
     stage: Arc<Stage>,
+    /// The light over the mesh, where it is shown.
+    cloud: Option<Arc<Cloud>>,
+    lobes: bool,
+    view: View,
     eye: Eye,
     shown: Shown,
     size: [usize; 2],
@@ -55,7 +62,12 @@ struct Drawn {
 
 impl PartialEq for Drawn {
     fn eq(&self, other: &Self) -> bool {
+        let same_light = match (&self.cloud, &other.cloud) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b) && self.view == other.view && self.lobes == other.lobes,
+            (a, b) => a.is_none() && b.is_none(),
+        };
         Arc::ptr_eq(&self.stage, &other.stage)
+            && same_light
             && (self.eye, self.shown, self.size, self.dark) == (other.eye, other.shown, other.size, other.dark)
     }
 }
@@ -69,7 +81,6 @@ impl Default for Scene {
             eye: Eye::default(),
             shown: Shown::default(),
             drawn: None,
-            held: None,
             aspect: Aspect::Flux,
             maps: Vec::new(),
         }
@@ -115,25 +126,50 @@ impl Panels for Scene {
                 self.maps(ui, stage);
             });
         }
-        Panel::top("scene view").show(ui, |ui| self.bar(ui));
+        Panel::top("scene view").show(ui, |ui| self.bar(ui, session, asks));
         CentralPanel::default().frame(Frame::NONE).show(ui, |ui| match &stage {
             Some(stage) => self.space(ui, session, stage, asks),
             None if self.fault.is_none() && has_mesh => {
                 ui.centered_and_justified(|ui| ui.label("Reading the mesh…"));
             }
-            None => {}
+            None if has_mesh => {}
+            None => mesh_scene::missing(ui, session, asks),
         });
     }
 }
 
 impl Scene {
-    fn bar(&mut self, ui: &mut Ui) {
+    /// Whether the scene is as it was asked for.
+    pub fn is_idle(&self) -> bool {
+        !self.stage.is_underway()
+    }
+
+    fn bar(&mut self, ui: &mut Ui, session: &Session, asks: &mut Asks) {
+        let mut look = session.sight.space;
         ui.horizontal_wrapped(|ui| {
             let Shown { mesh, backs, emitters, cells } = &mut self.shown;
             ui.checkbox(mesh, "Mesh");
             ui.checkbox(backs, "Backs").on_hover_text("Triangles that face away too: they may hide what is inside");
             ui.checkbox(emitters, "Virtual point lights");
             ui.checkbox(cells, "Occupied cells");
+            ui.separator();
+            ui.checkbox(&mut look.over_mesh, "Light").on_hover_text("The light of the run in its cells, over the mesh");
+            if look.over_mesh {
+                ui.selectable_value(&mut look.lobes, false, "Cubes");
+                ui.selectable_value(&mut look.lobes, true, "Lobes");
+                let threshold = DragValue::new(&mut look.threshold).range(0.0..=1.0).speed(0.001).max_decimals(4);
+                let about = "The share of the strongest light below which cells are left out";
+                name(&field::add(ui, threshold.prefix("from ")).on_hover_text(about), "Threshold");
+            }
+            if let Some(stage) = self.stage.latest().map(|(_, stage)| Arc::clone(stage))
+                && session.document.preset.scene.is_some()
+            {
+                ui.separator();
+                let about = "The picture's camera stands where this view is seen from";
+                if ui.button("Camera here").on_hover_text(about).clicked() {
+                    handles::camera_here(session, &stage, &self.eye, asks);
+                }
+            }
             if let Some(share) = self.stage.share() {
                 ui.spinner();
                 ui.label(format!("{:.0} %", 100.0 * share));
@@ -142,85 +178,50 @@ impl Scene {
                 ui.colored_label(ui.visuals().error_fg_color, fault);
             }
         });
+        asks.changed(&session.sight.space, look, Ask::Space);
     }
 
-    /// The mesh in space with the handles of its lights.
+    /// The mesh in space, with the light of its cells and what can be taken by the hand.
     fn space(&mut self, ui: &mut Ui, session: &Session, stage: &Arc<Stage>, asks: &mut Asks) {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "View: the mesh in space"));
+        self.eye.steer(ui, rect, &response);
         let theme = theme(ui.ctx());
-        let projection = Projection::new(&self.eye, rect, stage.placement.size);
-        let handled = self.handles(session, stage, &projection, &response, asks);
-        if !handled {
-            self.eye.steer(ui, rect, &response);
-        }
-        let size = [rect.width().max(1.0) as usize, rect.height().max(1.0) as usize];
-        let drawn = Drawn { stage: Arc::clone(stage), eye: self.eye, shown: self.shown, size, dark: theme.dark };
-        if self.drawn.as_ref().is_none_or(|(known, _)| *known != drawn) {
-            let image = picture(stage, &self.eye, size, self.shown, &theme);
-            let texture = ui.ctx().load_texture("scene", image, TextureOptions::LINEAR);
-            self.drawn = Some((drawn, texture));
-        }
+        let look = session.sight.space;
+        let cloud = session.sight.cloud.as_ref().filter(|_| look.over_mesh).map(Arc::clone);
+        let drawn = Drawn {
+            stage: Arc::clone(stage),
+            cloud,
+            lobes: look.lobes,
+            view: session.settings.view.clone(),
+            eye: self.eye,
+            shown: self.shown,
+            size: [rect.width().max(1.0) as usize, rect.height().max(1.0) as usize],
+            dark: theme.dark,
+        };
         let painter = ui.painter_at(rect);
-        if let Some((_, texture)) = &self.drawn {
-            painter.image(
-                texture.id(),
-                rect,
-                Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0)),
-                Color32::WHITE,
-            );
-        }
+        let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+        painter.image(self.texture(ui, drawn, &theme), rect, whole, Color32::WHITE);
         let projection = Projection::new(&self.eye, rect, stage.placement.size);
-        volume(&painter, &projection, stage.placement.size as f32, color(theme.muted));
-        let scene = session.document.preset.scene.as_ref();
-        for (i, light) in scene.iter().flat_map(|scene| scene.lights.iter().enumerate()) {
-            let (LightKind::Point { position } | LightKind::Spot { position, .. }) = light.kind else { continue };
-            let at = projection.at(stage.placement.in_cells(DVec3::from_array(position)).as_vec3());
-            let ink = if light.enabled { Color32::from_rgb(255, 210, 60) } else { Color32::GRAY };
-            painter.circle(at, if self.held == Some(i) { 9.0 } else { 7.0 }, ink, Stroke::new(1.5, Color32::BLACK));
-        }
+        handles::frame(&painter, &projection, stage.placement.size as f32, &theme);
+        handles::camera(ui, &painter, session, stage, &self.eye, &projection, &theme, asks);
+        handles::lights(ui, &painter, session, stage, &self.eye, &projection, &theme, asks);
     }
 
-    /// Takes a light by its handle and moves it across the view; whether one is held.
-    fn handles(
-        &mut self,
-        session: &Session,
-        stage: &Stage,
-        projection: &Projection,
-        response: &egui::Response,
-        asks: &mut Asks,
-    ) -> bool {
-        let before = &session.document.preset;
-        let Some(scene) = &before.scene else { return false };
-        let place = |position: [f64; 3]| stage.placement.in_cells(DVec3::from_array(position)).as_vec3();
-        if response.drag_started() {
-            let Some(pointer) = response.interact_pointer_pos() else { return false };
-            let near = |(i, light): (usize, &crate::scene::mesh_scene::Light)| match light.kind {
-                LightKind::Point { position } | LightKind::Spot { position, .. } => {
-                    let off = projection.at(place(position)).distance(pointer);
-                    (off < 14.0).then_some((i, off))
-                }
-                LightKind::Sun { .. } => None,
-            };
-            let nearest = scene.lights.iter().enumerate().filter_map(near).min_by(|a, b| a.1.total_cmp(&b.1));
-            self.held = nearest.map(|(i, _)| i);
+    /// The picture of what is drawn, made anew where that has changed.
+    fn texture(&mut self, ui: &Ui, drawn: Drawn, theme: &Theme) -> egui::TextureId {
+        if let Some((known, texture)) = &self.drawn
+            && *known == drawn
+        {
+            return texture.id();
         }
-        if response.drag_stopped() {
-            self.held = None;
-        }
-        let Some(held) = self.held.filter(|held| *held < scene.lights.len()) else { return false };
-        if response.dragged() {
-            let mut preset = before.clone();
-            let light = preset.scene.as_mut().map(|scene| &mut scene.lights[held].kind);
-            if let Some(LightKind::Point { position } | LightKind::Spot { position, .. }) = light {
-                let moved = self.eye.drag(projection, place(*position), response.drag_delta());
-                let by = moved.as_dvec3() * stage.placement.cell_side;
-                *position = (DVec3::from_array(*position) + by).to_array();
-            }
-            asks.changed(before, preset, |preset| Ask::Preset(Box::new(preset)));
-        }
-        true
+        let light = drawn.cloud.as_ref().map(|cloud| Light { cloud, view: &drawn.view, lobes: drawn.lobes });
+        let image = picture(&drawn.stage, light, &drawn.eye, drawn.size, drawn.shown, theme);
+        let texture = ui.ctx().load_texture("scene", image, TextureOptions::LINEAR);
+        let id = texture.id();
+        self.drawn = Some((drawn, texture));
+        id
     }
 
     /// The shadow map of every light.
@@ -232,6 +233,7 @@ impl Scene {
             }
         });
         self.maps.retain(|(map, aspect, _)| *aspect == self.aspect && stage.maps.iter().any(|m| Arc::ptr_eq(m, map)));
+        ui.set_min_height(ui.available_height());
         let height = (ui.available_height() - 22.0).max(40.0);
         egui::ScrollArea::horizontal().show(ui, |ui| {
             ui.horizontal(|ui| {
@@ -253,16 +255,5 @@ impl Scene {
                 }
             });
         });
-    }
-}
-
-/// The edges of the volume.
-fn volume(painter: &egui::Painter, projection: &Projection, n: f32, ink: Color32) {
-    let corner = |i: usize| glam::vec3((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * n;
-    for from in 0..8usize {
-        for to in [1, 2, 4].map(|bit| from ^ bit).into_iter().filter(|to| from < *to) {
-            let line = [projection.at(corner(from)), projection.at(corner(to))];
-            painter.line_segment(line, (1.0, ink.gamma_multiply(0.7)));
-        }
     }
 }
