@@ -12,6 +12,7 @@ mod desk;
 pub mod history;
 mod ledger;
 pub mod look;
+mod orders;
 pub mod peaks;
 pub mod received;
 pub mod rival;
