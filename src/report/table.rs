@@ -135,8 +135,8 @@ impl<const N: usize> Table<N> {
     }
 }
 
-/// The errors of a run, as `errors.csv` has them; level is `all` or a number. After them come the jumps between levels by
-/// iteration, under the metric `jump`: mean and largest as absolute, the pairs left out as undefined.
+/// The errors of a run, as `errors.csv` has them; level is `all` or a number. Under the metric `jump` each iteration ends
+/// with the jumps between levels: mean and largest as absolute, the pairs left out as undefined.
 pub fn errors(rows: &[ErrorRow], jumps: &[(usize, Jump)]) -> Table<9> {
     let mut table = Table::new([
         "iteration",
@@ -149,8 +149,8 @@ pub fn errors(rows: &[ErrorRow], jumps: &[(usize, Jump)]) -> Table<9> {
         "l1_ratio",
         "undefined",
     ]);
-    for row in rows {
-        table.push([
+    let measured = rows.iter().map(|row| {
+        let line: [Value; 9] = [
             row.iteration.into(),
             row.expectation.name().into(),
             row.level.map_or("all".into(), |level| Value::Text(level.to_string())),
@@ -160,10 +160,11 @@ pub fn errors(rows: &[ErrorRow], jumps: &[(usize, Jump)]) -> Table<9> {
             row.relative_max.into(),
             row.l1_ratio.into(),
             row.undefined.into(),
-        ]);
-    }
-    for (iteration, jump) in jumps {
-        table.push([
+        ];
+        (row.iteration, line)
+    });
+    let jumps = jumps.iter().map(|(iteration, jump)| {
+        let line: [Value; 9] = [
             (*iteration).into(),
             "jump".into(),
             "all".into(),
@@ -174,8 +175,13 @@ pub fn errors(rows: &[ErrorRow], jumps: &[(usize, Jump)]) -> Table<9> {
             "".into(),
             "".into(),
             jump.undefined.into(),
-        ]);
-    }
+        ];
+        (*iteration, line)
+    });
+    let mut lines: Vec<(usize, [Value; 9])> = measured.chain(jumps).collect();
+    // Stable: what was measured stays before the jump.
+    lines.sort_by_key(|(iteration, _)| *iteration);
+    lines.into_iter().for_each(|(_, line)| table.push(line));
     table
 }
 
@@ -253,9 +259,10 @@ mod tests {
             undefined: 4,
         };
         let rows = [row, ErrorRow { level: Some(3), l1_ratio: 0.5, ..row }];
+        let later = ErrorRow { iteration: 13, ..row };
         let mut file = Vec::new();
         let jump = Jump { mean: 0.25, max: 2.0, pairs: 3, undefined: 1 };
-        errors(&rows, &[(12, jump)]).write_csv(&mut file).unwrap();
+        errors(&[rows[0], rows[1], later], &[(12, jump)]).write_csv(&mut file).unwrap();
         let first = std::str::from_utf8(&file).unwrap().lines().next().unwrap();
         assert_eq!(
             first,
@@ -263,7 +270,8 @@ mod tests {
         );
         let mut reader = csv::Reader::from_reader(file.as_slice());
         let records: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
-        assert_eq!(records.len(), 3);
+        let iterations: Vec<&str> = records.iter().map(|record| &record[0]).collect();
+        assert_eq!(iterations, ["12", "12", "12", "13"]);
         assert_eq!(records[2].iter().collect::<Vec<_>>(), ["12", "jump", "all", "0.25", "2.0", "", "", "", "1"]);
         for (record, row) in records.iter().zip(rows) {
             let number = |i: usize| record[i].parse::<f64>().unwrap();

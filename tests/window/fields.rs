@@ -31,12 +31,12 @@ fn small_windows_fold_panels_to_strips_that_open() {
     let mut harness = window_sized(SMALL, [640.0, 400.0]);
     click(&mut harness, "Run all");
     assert_eq!(lab(&harness).iteration(), 5);
-    assert!(harness.query_by_label("Factor p").is_none() && harness.query_by_label("Absolute error").is_none());
+    assert!(harness.query_by_label("Factor p").is_none() && harness.query_by_label("L1 ratio").is_none());
     // The views have the room.
     let view = harness.get_by_label_contains("View: Accumulated").rect();
     assert!(view.width() > 60.0 && view.right() <= 640.0, "{view:?}");
     click(&mut harness, "Fold the scene");
     harness.get_by_role_and_label(Role::SpinButton, "Factor p");
     click(&mut harness, "Fold the plots");
-    harness.get_by_label("Absolute error");
+    harness.get_by_label("L1 ratio");
 }

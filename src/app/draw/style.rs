@@ -1,6 +1,7 @@
 //! The window's colours: egui's own themes, with grounds and texts that agree with the plots and pictures.
 
-use egui::{Color32, Context, Stroke, TextStyle};
+use egui::epaint::text::{FontInsert, FontPriority, InsertFontFamily};
+use egui::{Color32, Context, FontData, FontFamily, Stroke, TextStyle};
 
 use crate::app::draw::ink::color;
 use crate::report::colour::Theme;
@@ -10,6 +11,10 @@ const SMALL_TEXT: f32 = 11.0;
 
 /// Sets the colours for light and dark; which of them is used follows the system.
 pub fn apply(ctx: &Context) {
+    let last = InsertFontFamily { family: FontFamily::Proportional, priority: FontPriority::Lowest };
+    // It has the raised minus that Ubuntu lacks.
+    let hack = FontData::from_static(epaint_default_fonts::HACK_REGULAR);
+    ctx.add_font(FontInsert::new("hack for signs", hack, vec![last]));
     for (egui_theme, theme) in [(egui::Theme::Light, Theme::LIGHT), (egui::Theme::Dark, Theme::DARK)] {
         ctx.style_mut_of(egui_theme, |style| {
             if let Some(small) = style.text_styles.get_mut(&TextStyle::Small) {

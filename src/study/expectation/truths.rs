@@ -151,11 +151,16 @@ fn same_light(a: &Arc<Stage>, b: &Arc<Stage>) -> bool {
 fn kept<V>(all: &Mutex<Vec<Arc<V>>>, wanted: impl Fn(&V) -> bool, make: impl FnOnce() -> Option<V>) -> Option<Arc<V>> {
     // The list is whole whenever the lock is free, whoever panicked with it.
     let lock = || all.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(known) = lock().iter().find(|known| wanted(known)) {
-        return Some(Arc::clone(known));
+    let find = |all: &[Arc<V>]| all.iter().find(|known| wanted(known)).cloned();
+    if let Some(known) = find(&lock()) {
+        return Some(known);
     }
     let made = Arc::new(make()?);
     let mut all = lock();
+    // Two may have made it side by side.
+    if let Some(known) = find(&all) {
+        return Some(known);
+    }
     if all.len() >= KEPT {
         all.remove(0);
     }

@@ -30,6 +30,8 @@ mod lit_rows;
 mod roots;
 mod sweep;
 
+use std::ops::Range;
+
 use super::kernel::form::{Form, Share};
 use super::schemes;
 use super::stencil::Stencil;
@@ -46,6 +48,9 @@ use roots::Roots;
 const MOST_SWEEPS: usize = 500;
 /// A relative residual from which no sweep comes back.
 const HOPELESS: f64 = 1e6;
+
+/// Sums of squares of light that single precision holds, and those of its residuals; other light is scaled to 1.
+const SQUARES: Range<f64> = 1e-12..1e12;
 
 /// What it takes to solve for one setting and size, made once for any number of injections.
 #[derive(Clone, Debug)]
@@ -126,9 +131,14 @@ impl Solve for Solver {
         if !lit.is_everywhere() {
             [&mut *b, &mut *x].into_iter().chain(rest.iter_mut()).for_each(|half| half.clear(shape, stale));
         }
-        let whole = chessboard::split(self.clamped.light(), &lit, rest);
+        let (mut unit, mut whole) = (1.0, chessboard::split(self.clamped.light(), 1.0, &lit, rest));
         if whole == 0.0 {
             return Ok(Some(Found { residual: 0.0, sweeps: 0 }));
+        }
+        if !SQUARES.contains(&whole) {
+            // A power of two, so that nothing is rounded.
+            unit = (-0.5 * whole.log2()).round().clamp(-126.0, 126.0).exp2() as f32;
+            whole = chessboard::split(self.clamped.light(), unit, &lit, rest);
         }
         let [next, odd] = rest;
         lit = lit.grown();
@@ -148,7 +158,7 @@ impl Solve for Solver {
             }
             if residual <= tolerance {
                 sweep::send(shape, share, 1, &lit, from, next);
-                chessboard::join(from, [odd, next], stale, light);
+                chessboard::join(from, [odd, next], unit, stale, light);
                 return Ok(Some(Found { residual, sweeps }));
             }
             lit.clone_from(stale);
@@ -238,6 +248,24 @@ mod tests {
         for injected in [lobe([0, 15, 0]), lobe([15, 0, 15]), Grid::new(16), lobe([8, 8, 8])] {
             let mut new = Solver::for_problem(&wide).unwrap();
             assert_eq!(find(&mut solver, &injected), find(&mut new, &injected));
+        }
+    }
+
+    #[test]
+    fn light_too_bright_or_too_faint_to_be_squared_is_solved_alike() {
+        let of = |light: f64| {
+            let mut problem = problem(8, "cascaded", 3.8, false);
+            problem.sources[0].light.iter_mut().for_each(|(_, lobe)| *lobe = *lobe * light);
+            solve(&problem, 1e-4, |_| true).unwrap().unwrap()
+        };
+        let usual = of(1.0);
+        for exponent in [-90, -60, 60, 100] {
+            let found = of(f64::from(exponent).exp2());
+            assert_eq!(found.sweeps, usual.sweeps);
+            for ((_, a), (_, b)) in found.light[0].iter().zip(usual.light[0].iter()) {
+                let scaled = a.widen() * f64::from(-exponent).exp2();
+                assert!((scaled - b.widen()).max_norm() < 1e-5, "2^{exponent}: {scaled:?}, {b:?}");
+            }
         }
     }
 

@@ -100,8 +100,8 @@ pub fn parity(h: usize, y: usize, z: usize) -> usize {
     (y + z + h) % 2
 }
 
-/// Sets the `lit` rows of both halves to those of a grid; the sum of the squares of all numbers.
-pub fn split<'a>(grid: &Grid<f32>, lit: &LitRows, [even, odd]: &'a mut [Half; 2]) -> f64 {
+/// Sets the `lit` rows of both halves to those of a grid times `unit`; the sum of the squares of all that is set.
+pub fn split<'a>(grid: &Grid<f32>, unit: f32, lit: &LitRows, [even, odd]: &'a mut [Half; 2]) -> f64 {
     let shape = Shape { n: grid.side() };
     let slab = |(z, (even, odd)): (usize, (&mut [f32], &mut [f32]))| -> f64 {
         let mut squares = 0.0;
@@ -113,9 +113,9 @@ pub fn split<'a>(grid: &Grid<f32>, lit: &LitRows, [even, odd]: &'a mut [Half; 2]
                 let at = plane * shape.plane() + shape.start(y);
                 let pairs = first[at..].iter_mut().zip(&mut second[at..]);
                 for ((first, second), pair) in pairs.zip(numbers[start..][..shape.n].chunks_exact(2)) {
-                    (*first, *second) = (pair[0], pair[1]);
-                    sum[0] += f64::from(pair[0]).powi(2);
-                    sum[1] += f64::from(pair[1]).powi(2);
+                    (*first, *second) = (unit * pair[0], unit * pair[1]);
+                    sum[0] += f64::from(*first).powi(2);
+                    sum[1] += f64::from(*second).powi(2);
                 }
             }
             squares += sum[0] + sum[1];
@@ -126,8 +126,9 @@ pub fn split<'a>(grid: &Grid<f32>, lit: &LitRows, [even, odd]: &'a mut [Half; 2]
     team::share(slabs(even).zip(slabs(odd)).enumerate().collect(), slab).iter().sum()
 }
 
-/// Adds both halves to a grid, half 1 being the sum of two.
-pub fn join(even: &Half, odd: [&Half; 2], lit: &LitRows, grid: &mut Grid<f32>) {
+/// Adds both halves over `unit` to a grid, half 1 being the sum of two.
+pub fn join(even: &Half, odd: [&Half; 2], unit: f32, lit: &LitRows, grid: &mut Grid<f32>) {
+    let back = 1.0 / unit;
     let shape = Shape { n: grid.side() };
     let layout = grid.layout();
     team::share(grid.planes_mut().into_iter().enumerate().collect(), |(plane, numbers): (usize, &mut [f32])| {
@@ -140,8 +141,8 @@ pub fn join(even: &Half, odd: [&Half; 2], lit: &LitRows, grid: &mut Grid<f32>) {
             for (pair, (even, (odd, more))) in pairs.iter_mut().zip(even.iter().zip(odd.iter().zip(more))) {
                 let odd = odd + more;
                 let [first, second] = if is_even_first { [*even, odd] } else { [odd, *even] };
-                pair[0] += first;
-                pair[1] += second;
+                pair[0] += back * first;
+                pair[1] += back * second;
             }
         }
     });
@@ -164,9 +165,9 @@ mod tests {
             let shape = Shape { n };
             let mut halves = [Half::new(shape), Half::new(shape)];
             let lit = LitRows::rows_of(&everywhere(n));
-            split(&grid, &lit, &mut halves);
+            split(&grid, 0.25, &lit, &mut halves);
             let [even, odd] = &halves;
-            join(even, [odd, &Half::new(shape)], &lit, &mut joined);
+            join(even, [odd, &Half::new(shape)], 0.25, &lit, &mut joined);
             assert_eq!(joined, grid);
         }
     }
