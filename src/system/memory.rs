@@ -13,14 +13,23 @@ pub fn free() -> Option<u64> {
 
 /// What any work takes at least, in bytes: threads, tables, a picture and its fonts.
 const LEAST: u64 = 32 << 20;
+/// Bytes of addresses that the allocator sets aside for a thread's first small need, taken or not; limits on the
+/// process count them.
+const SET_ASIDE: u64 = 64 << 20;
 
 /// Refuses to begin where not even a small scene could be worked on.
 ///
 /// # Errors
 /// One line that says how much there is and how much there should be.
 pub fn check() -> Result<(), String> {
-    let Some(free) = free().filter(|free| *free < LEAST) else { return Ok(()) };
-    let (free, least) = (in_words(free), in_words(LEAST));
+    check_under(Path::new("/"))
+}
+
+fn check_under(root: &Path) -> Result<(), String> {
+    let too_little = |free: Option<u64>, least: u64| free.filter(|free| *free < least).map(|free| (free, least));
+    let limited = too_little(limits::left(root), LEAST + SET_ASIDE);
+    let Some((free, least)) = limited.or_else(|| too_little(free_under(root), LEAST)) else { return Ok(()) };
+    let (free, least) = (in_words(free), in_words(least));
     Err(format!("{free} of memory are free, and at least {least} are needed; close something, or raise `ulimit -v`"))
 }
 
@@ -66,6 +75,25 @@ mod tests {
             write("sys/fs/cgroup/memory.max", limit);
             assert_eq!(free_under(root.path()), Some(free), "{limit}");
         }
+    }
+
+    #[test]
+    fn a_limit_must_leave_room_for_what_the_allocator_sets_aside() {
+        let root = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| {
+            std::fs::create_dir_all(root.path().join("proc/self")).unwrap();
+            std::fs::write(root.path().join(name), text).unwrap();
+        };
+        assert_eq!(check_under(root.path()), Ok(()));
+        write("proc/meminfo", "MemAvailable: 40960 kB\n");
+        assert_eq!(check_under(root.path()), Ok(()));
+        write("proc/self/status", "VmSize: 1024 kB\nVmData: 1024 kB\n");
+        let limit =
+            |mebibytes: u64| write("proc/self/limits", &format!("Max address space {} bytes\n", mebibytes << 20));
+        limit(97);
+        assert_eq!(check_under(root.path()), Ok(()));
+        limit(96);
+        assert!(check_under(root.path()).is_err_and(|told| told.contains("95.0 MiB") && told.contains("96.0 MiB")));
     }
 
     #[test]
