@@ -1,9 +1,10 @@
 //! The loops that take one grid one iteration further.
 //!
-//! [`plain`] is the definition. The others give the same light faster: [`form`] finds in a stencil the
-//! few numbers that its symmetry leaves, `row` computes a row of cells from them, `slab` a slab of rows
-//! with what may be skipped in it (`found` looks at what came out), [`step`] one iteration, [`among`] one
-//! among occluders, [`blocked`] several in one pass over memory, and [`pass`] chooses between the last two. [`crate::transport::team`] is how threads share that work.
+//! [`plain`] is the definition. The others give the same light faster: [`form`] finds in a stencil the few numbers that
+//! its symmetry leaves, `row` computes a row of cells from them, `slab` a slab of rows with what may be skipped in it
+//! (`inspect` looks at what came out), [`step`] one iteration, [`with_solids`] one among occluders, [`blocked`] several
+//! in one pass over memory, and [`pass`] chooses between the last two. [`crate::transport::team`] is how threads share
+//! that work.
 
 pub mod blocked;
 #[cfg(test)]
