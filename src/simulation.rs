@@ -32,6 +32,7 @@ use crate::field::{Channels, Grid, IndexVolume, Levels, Octree, memory};
 use crate::scene::Problem;
 use crate::scene::propagation::Snapshots;
 use crate::sh::Real;
+use crate::transport::arrivals::Arrivals;
 use crate::transport::kind::{Kind, Precision, Setup, Transport};
 use crate::transport::{self, State, refuse_what_does_not_fit};
 use options::{Device, Options, Wanted, Work};
@@ -241,6 +242,12 @@ impl<T: Real> Simulation<T> {
     /// `None` where the transport does not know from where light comes.
     pub fn received(&self) -> Option<&[Vec<f64>]> {
         self.transport.received()
+    }
+
+    /// For each channel what has arrived at solids so far, in the cells of a level or in the finest cells as they are
+    /// sampled; `None` where what arrives at a solid is in its cell.
+    pub fn arrivals(&self, level: Option<usize>) -> Option<Vec<Arrivals>> {
+        self.transport.arrivals(&self.state, level)
     }
 
     /// Bytes that a copy of it takes: its light, and what the transport keeps under way.

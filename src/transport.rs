@@ -5,6 +5,7 @@
 //! All of them take a [`Problem`](crate::scene::Problem) and grids; none knows the simulation that steps it. [`kinds`] is
 //! the list of those that can be stepped: what each of them can do is asked there.
 
+pub mod arrivals;
 pub mod ballistic;
 pub mod descent;
 pub mod divergence;

@@ -11,14 +11,14 @@ use lpv_lab::study::expectation::{Expectation, References};
 use lpv_lab::study::surface::{self, Surfaces};
 use lpv_lab::transport::preset;
 
-/// The room with a crate, 4 m wide, in the middle of a volume of 16 cells of half a metre, moved by so many of them.
+/// The room with a crate, 4 m wide, in the middle of a volume of 32 cells of half a metre, moved by so many of them.
 fn room(cells: f64, scheme: &str) -> Problem {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("presets");
     let mut preset = preset::read(&folder.join("cube-room.ron")).unwrap();
-    preset.size = 16;
+    preset.size = 32;
     preset.propagation.scheme = scheme.to_owned();
     let scene = preset.scene.as_mut().unwrap();
-    scene.volume = Volume::Cube { center: [2.0 + 0.5 * cells, 2.0, 2.0 - 0.5 * cells], side: 8.0 };
+    scene.volume = Volume::Cube { center: [2.0 + 0.5 * cells, 2.0, 2.0 - 0.5 * cells], side: 16.0 };
     Expectation::Surface.prepared(Problem::build(&preset, &folder).unwrap())
 }
 

@@ -8,7 +8,11 @@
 //! ```
 //!
 //! which is right to 2 % for every n. Where c is taken from is [`Sampling`]. A level's cells hold the mean of the finest
-//! cells in them, so s is the finest cell's side for every level.
+//! cells in them, so s is the finest cell's side for every level. In a cell whose solid stops light at the cell's border
+//! little is held; there E is what arrived at the solid ([`Arrivals`]).
+
+use std::iter::Sum;
+use std::ops::Mul;
 
 use glam::DVec3;
 
@@ -16,6 +20,7 @@ use super::rgb::Rgb;
 use crate::field::{Cell, Channels, Grid, Marks};
 use crate::scene::placement::Placement;
 use crate::sh::{Real, Sh};
+use crate::transport::arrivals::Arrivals;
 
 /// The mean area of a unit cube across a direction.
 const ACROSS: f64 = 1.5;
@@ -68,6 +73,8 @@ pub struct Cells<'a, T = f32> {
     pub placement: &'a Placement,
     /// The finest cells that a surface passes through.
     pub occupied: &'a Marks,
+    /// What arrived at solids of each channel's light, where the transport tells that.
+    pub arrivals: Option<&'a [Arrivals]>,
     /// Where to sample.
     pub sampling: Sampling,
 }
@@ -75,32 +82,49 @@ pub struct Cells<'a, T = f32> {
 impl<T: Real> Cells<'_, T> {
     /// The irradiance [W/m²] of a surface at `at` with unit normal `normal`; none beyond the volume.
     pub fn irradiance(&self, at: DVec3, normal: DVec3) -> Rgb {
-        let lobe = Sh::<f64>::lobe(-normal);
-        let scale = 1.0 / (ACROSS * self.placement.cell_side * self.placement.cell_side);
-        let by_channel = |grid: &&Grid<T>| (self.sample(grid, at, normal).dot(lobe) * scale).max(0.0);
+        let scale = 1.0 / (self.placement.cell_side * self.placement.cell_side);
         let mut channels = [0.0; 3];
-        self.grids.iter().zip(&mut channels).for_each(|(grid, e)| *e = by_channel(grid));
+        for (channel, e) in (0..self.grids.len()).zip(&mut channels) {
+            *e = (self.sample(channel, at, normal) * scale).max(0.0);
+        }
         self.channels.rgb().map(|share| share.scale * channels[share.channel])
     }
 
-    fn sample(&self, grid: &Grid<T>, at: DVec3, normal: DVec3) -> Sh<f64> {
+    /// E·s² of a channel.
+    fn sample(&self, channel: usize, at: DVec3, normal: DVec3) -> f64 {
+        let grid = self.grids[channel];
         let coarse = grid.side() as f64 / self.placement.size as f64;
-        let place = |metres: DVec3| self.placement.in_cells(metres) * coarse;
-        let along = |cells: f64| place(at) + cells * normal;
+        let along = |cells: f64| self.placement.in_cells(at) * coarse + cells * normal;
+        let all = |cells: f64| Between::eight(grid.side(), along(cells), |_| true);
         match self.sampling {
-            Sampling::Nearest => nearest(grid, along(0.0)),
-            Sampling::Before => nearest(grid, along(0.5)),
-            Sampling::Trilinear => trilinear(grid, along(0.0), |_| true),
-            Sampling::Occupied => trilinear(grid, along(0.0), |cell| self.is_occupied(cell, coarse)),
+            Sampling::Nearest => self.received(channel, normal, &Between::nearest(grid.side(), along(0.0))),
+            Sampling::Before => self.received(channel, normal, &Between::nearest(grid.side(), along(0.5))),
+            Sampling::Trilinear => self.received(channel, normal, &all(0.0)),
+            Sampling::Occupied => {
+                let occupied = Between::eight(grid.side(), along(0.0), |cell| self.is_occupied(cell, coarse));
+                self.received(channel, normal, &occupied)
+            }
             Sampling::Damped => {
-                let here = trilinear(grid, along(0.0), |_| true);
-                let change = trilinear(grid, along(DAMPED_AT), |_| true).vector() - here.vector();
-                match (here.vector().try_normalize(), change.try_normalize()) {
-                    (Some(way), Some(change)) => here * way.dot(change).max(0.0),
-                    _ => here,
-                }
+                let vector = |cells: &Between| cells.sum(|cell| grid.get(cell).vector());
+                let here = all(0.0);
+                let (way, change) = (vector(&here), vector(&all(DAMPED_AT)) - vector(&here));
+                let share = match (way.try_normalize(), change.try_normalize()) {
+                    (Some(way), Some(change)) => way.dot(change).max(0.0),
+                    _ => 1.0,
+                };
+                share * self.received(channel, normal, &here)
             }
         }
+    }
+
+    /// E·s² of a channel between cells.
+    fn received(&self, channel: usize, normal: DVec3, cells: &Between) -> f64 {
+        let lobe = Sh::<f64>::lobe(-normal);
+        let arrivals = self.arrivals.map(|arrivals| &arrivals[channel]);
+        cells.sum(|cell| {
+            let on_solid = arrivals.and_then(|arrivals| arrivals.on(cell, normal));
+            on_solid.unwrap_or_else(|| self.grids[channel].get(cell).widen().dot(lobe) / ACROSS)
+        })
     }
 
     /// Whether a surface passes through a cell of a level that has `coarse` times the finest one's cells along a side.
@@ -112,11 +136,6 @@ impl<T: Real> Cells<'_, T> {
     }
 }
 
-/// The light of the cell that holds a place, in cells; a place on the volume's upper border is in the last one.
-fn nearest<T: Real>(grid: &Grid<T>, place: DVec3) -> Sh<f64> {
-    cell_of(place, grid.side()).map_or(Sh::ZERO, |cell| grid.get(cell).widen())
-}
-
 /// The cell that holds a place in cells, borders as [`crate::mesh::cut`] has them.
 pub fn cell_of(place: DVec3, side: usize) -> Option<Cell> {
     const ROUNDING: f64 = 1e-6;
@@ -125,27 +144,51 @@ pub fn cell_of(place: DVec3, side: usize) -> Option<Cell> {
     inside.then(|| place.to_array().map(|c| ((c + ROUNDING).max(0.0) as usize).min(side - 1)))
 }
 
-/// Between the middles of the eight nearest cells that count; beyond the outermost middles light goes on as it is.
-fn trilinear<T: Real>(grid: &Grid<T>, place: DVec3, counts: impl Fn(Cell) -> bool) -> Sh<f64> {
-    let side = grid.side();
-    if cell_of(place, side).is_none() {
-        return Sh::ZERO;
+/// The cells around a place, each with its weight; none beyond the volume.
+struct Between {
+    cells: [(Cell, f64); 8],
+    count: usize,
+}
+
+impl Between {
+    /// The cell that holds a place, in cells; a place on the volume's upper border is in the last one.
+    fn nearest(side: usize, place: DVec3) -> Self {
+        let cell = cell_of(place, side);
+        Between { cells: [(cell.unwrap_or_default(), 1.0); 8], count: usize::from(cell.is_some()) }
     }
-    let place = (place - 0.5).clamp(DVec3::ZERO, DVec3::splat(side as f64 - 1.0));
-    let low = place.floor();
-    let part = place - low;
-    let (mut sum, mut weights) = (Sh::ZERO, 0.0);
-    for corner in 0..8usize {
-        let upper = |axis: usize| corner >> axis & 1;
-        let cell: Cell = std::array::from_fn(|axis| (low[axis] as usize + upper(axis)).min(side - 1));
-        let along = |axis: usize| if upper(axis) == 1 { part[axis] } else { 1.0 - part[axis] };
-        let weight = along(0) * along(1) * along(2);
-        if weight > 0.0 && counts(cell) {
-            sum += grid.get(cell).widen() * weight;
-            weights += weight;
+
+    /// Those of the eight whose middles are around it that count; beyond the outermost middles light goes on as it is.
+    fn eight(side: usize, place: DVec3, counts: impl Fn(Cell) -> bool) -> Self {
+        let mut between = Between { cells: [([0; 3], 0.0); 8], count: 0 };
+        if cell_of(place, side).is_none() {
+            return between;
         }
+        let from = (place - 0.5).clamp(DVec3::ZERO, DVec3::splat(side as f64 - 1.0));
+        let low = from.floor();
+        let part = from - low;
+        let mut weights = 0.0;
+        for corner in 0..8usize {
+            let upper = |axis: usize| corner >> axis & 1;
+            let cell: Cell = std::array::from_fn(|axis| (low[axis] as usize + upper(axis)).min(side - 1));
+            let along = |axis: usize| if upper(axis) == 1 { part[axis] } else { 1.0 - part[axis] };
+            let weight = along(0) * along(1) * along(2);
+            if weight > 0.0 && counts(cell) {
+                between.cells[between.count] = (cell, weight);
+                between.count += 1;
+                weights += weight;
+            }
+        }
+        if weights == 0.0 {
+            return Between::nearest(side, place);
+        }
+        between.cells.iter_mut().for_each(|(_, weight)| *weight /= weights);
+        between
     }
-    if weights > 0.0 { sum * (1.0 / weights) } else { nearest(grid, place + 0.5) }
+
+    /// The weighted sum.
+    fn sum<V: Mul<f64, Output = V> + Sum>(&self, of: impl Fn(Cell) -> V) -> V {
+        self.cells[..self.count].iter().map(|(cell, weight)| of(*cell) * *weight).sum()
+    }
 }
 
 #[cfg(test)]
@@ -163,7 +206,7 @@ mod tests {
         occupied.iter().for_each(|cell| marks.set(*cell));
         let channels = Channels::of_colors(&[[1.0, 0.5, 0.0]]);
         let placement = placement();
-        Cells { grids: &[grid], channels: &channels, placement: &placement, occupied: &marks, sampling }
+        Cells { grids: &[grid], channels: &channels, placement: &placement, occupied: &marks, arrivals: None, sampling }
             .irradiance(at, normal)
     }
 
@@ -211,6 +254,29 @@ mod tests {
         close(of(Sampling::Occupied, &[[3, 2, 2]]), 3.0);
         close(of(Sampling::Occupied, &[[7, 7, 7]]), 4.0);
         assert_eq!(irradiance(&grid, &[], Sampling::Nearest, DVec3::ZERO, DVec3::X), [0.0; 3], "beyond the volume");
+    }
+
+    #[test]
+    fn where_a_solid_is_what_arrived_at_it_counts() {
+        let (grid, marks, channels) = (Grid::<f32>::new(8), Marks::new(8), Channels::of_colors(&[[1.0; 3]]));
+        let (placement, mut arrivals) = (placement(), [Arrivals::new(8)]);
+        arrivals[0].set([4, 2, 2], [3.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let at = placement.in_metres(DVec3::new(4.0, 2.5, 2.5));
+        let of = |sampling, normal| {
+            let arrivals = Some(arrivals.as_slice());
+            let cells = Cells {
+                grids: &[&grid],
+                channels: &channels,
+                placement: &placement,
+                occupied: &marks,
+                arrivals,
+                sampling,
+            };
+            cells.irradiance(at, normal)[0]
+        };
+        // 3 W on a cell's face of 0.25 m²; dark cells before it.
+        assert_eq!([of(Sampling::Nearest, DVec3::NEG_X), of(Sampling::Nearest, DVec3::X)], [12.0, 0.0]);
+        assert_eq!([of(Sampling::Before, DVec3::NEG_X), of(Sampling::Trilinear, DVec3::NEG_X)], [0.0, 6.0]);
     }
 
     #[test]

@@ -17,6 +17,7 @@ use crate::scene::receiver::Receiver;
 use crate::scene::{Problem, Stage};
 use crate::sh::Real;
 use crate::simulation::Simulation;
+use crate::transport::arrivals::Arrivals;
 
 /// A mesh in its volume with its lights, ready for rays.
 #[derive(Debug)]
@@ -94,7 +95,7 @@ pub struct Received<'a, T = f32> {
 #[derive(Debug)]
 enum Kind<'a, T> {
     /// Taken from cells.
-    Cells { grids: Vec<&'a Grid<T>>, channels: &'a Channels, sampling: Sampling },
+    Cells { grids: Vec<&'a Grid<T>>, arrivals: Option<Vec<Arrivals>>, channels: &'a Channels, sampling: Sampling },
     /// Known by patches.
     Patches(PatchLight<'a>),
 }
@@ -108,14 +109,24 @@ impl<'a, T: Real> Received<'a, T> {
             Some(i) => light.accumulated.level(i),
             None => light.merged.as_ref().unwrap_or(light.accumulated.level(0)),
         });
-        Received::of_grids(set, simulation, grids.collect(), sampling)
+        Received::of_grids(set, simulation, grids.collect(), level, sampling)
     }
 
-    /// The same where `grids` are each channel's light, wherever they come from.
-    pub fn of_grids(
+    /// The same of the merged light where `grids` are what each channel's is, merged or not.
+    pub fn of_merged(
+        set: &'a Set<'a>,
+        simulation: &'a Simulation<T>,
+        grids: &'a [Grid<T>],
+        sampling: Sampling,
+    ) -> Self {
+        Received::of_grids(set, simulation, grids.iter().collect(), None, sampling)
+    }
+
+    fn of_grids(
         set: &'a Set<'a>,
         simulation: &'a Simulation<T>,
         grids: Vec<&'a Grid<T>>,
+        level: Option<usize>,
         sampling: Sampling,
     ) -> Self {
         let kind = match simulation.received() {
@@ -130,7 +141,10 @@ impl<'a, T: Real> Received<'a, T> {
                 let smooth = sampling != Sampling::Nearest;
                 Kind::Patches(PatchLight::new(set.patches(), &set.stage.placement, irradiance, smooth))
             }
-            None => Kind::Cells { grids, channels: simulation.channels(), sampling },
+            None => {
+                let (arrivals, channels) = (simulation.arrivals(level), simulation.channels());
+                Kind::Cells { grids, arrivals, channels, sampling }
+            }
         };
         Received { set, kind }
     }
@@ -139,9 +153,10 @@ impl<'a, T: Real> Received<'a, T> {
     pub fn at(&self, at: DVec3, normal: DVec3) -> Rgb {
         match &self.kind {
             Kind::Patches(light) => light.at(at, normal),
-            Kind::Cells { grids, channels, sampling } => {
+            Kind::Cells { grids, arrivals, channels, sampling } => {
                 let (placement, occupied) = (&self.set.stage.placement, &self.set.occupied);
-                Cells { grids, channels, placement, occupied, sampling: *sampling }.irradiance(at, normal)
+                let arrivals = arrivals.as_deref();
+                Cells { grids, channels, placement, occupied, arrivals, sampling: *sampling }.irradiance(at, normal)
             }
         }
     }

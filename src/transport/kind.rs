@@ -6,6 +6,7 @@
 use std::fmt;
 use std::sync::Arc;
 
+use super::arrivals::Arrivals;
 use super::divergence::Divergence;
 use super::options::{Device, Options, Wanted, Work};
 use super::refusal::Refusal;
@@ -74,6 +75,13 @@ pub trait Transport<T: Real>: fmt::Debug + Send + Sync {
     /// By channel, what each of the problem's receivers has received so far: its irradiance times a cell's side squared.
     /// `None` where the transport does not know from where light comes.
     fn received(&self) -> Option<&[Vec<f64>]> {
+        None
+    }
+
+    /// For each channel what has arrived at solids so far, in the cells of a level or in the finest cells as they are
+    /// sampled; `None` where what arrives at a solid is in its cell.
+    fn arrivals(&self, state: &State<T>, level: Option<usize>) -> Option<Vec<Arrivals>> {
+        let _ = (state, level);
         None
     }
 

@@ -11,6 +11,7 @@
 //! [`Transport::still_to_come`] is that bound over what has been accumulated, on the level where it is largest. For
 //! g ≥ 1 (cascaded: p ≥ 4), or light without clamps that is not in the cone, nothing is proved and no run stops early.
 
+mod arriving;
 mod ceiling;
 mod coarse;
 pub mod exact;
@@ -34,6 +35,7 @@ pub mod stencil;
 
 use std::sync::Arc;
 
+use super::arrivals::Arrivals;
 use super::divergence::Divergence;
 use super::kind::{Capabilities, Kind, Law, Setup, Transport};
 use super::options::{Kernel, Options, Wanted, Work};
@@ -248,6 +250,10 @@ impl<T: Real> Transport<T> for Lattice<T> {
 
     fn is_done(&self) -> bool {
         self.options.tolerance.is_some_and(|tolerance| self.still_to_come().is_some_and(|bound| bound <= tolerance))
+    }
+
+    fn arrivals(&self, state: &State<T>, level: Option<usize>) -> Option<Vec<Arrivals>> {
+        self.arrivals_at_solids(state, level)
     }
 
     fn bytes(&self) -> usize {

@@ -252,7 +252,7 @@ fn a_run_is_stopped_and_the_window_is_not_held_up() {
     let mut harness =
         window("(version: 1, size: 32, injectors: [(kind: Wall(side: NegX))], propagation: (iterations: 100000))");
     harness.key_press(egui::Key::R);
-    for _ in 0..200 {
+    for _ in 0..4000 {
         harness.step();
         if lab(&harness).iteration() > 2 {
             break;

@@ -85,7 +85,7 @@ impl SurfaceTruth {
     pub fn found<T: Real>(&self, state: &Simulation<T>) -> Vec<crate::render::rgb::Rgb> {
         let set = Set::with_patches(&self.stage, Arc::clone(&self.patches));
         let grids = light::sampled(state);
-        Received::of_grids(&set, state, grids.iter().collect(), Sampling::Nearest).patches()
+        Received::of_merged(&set, state, &grids, Sampling::Nearest).patches()
     }
 
     /// How far that is from the truth.
@@ -130,7 +130,7 @@ impl PictureTruth {
     pub fn seen<T: Real>(&self, state: &Simulation<T>) -> Option<Seen> {
         let set = Set::new(&self.stage);
         let grids: Vec<Grid<T>> = light::sampled(state);
-        let received = Received::of_grids(&set, state, grids.iter().collect(), Sampling::Nearest);
+        let received = Received::of_merged(&set, state, &grids, Sampling::Nearest);
         let (world, view) = (set.world(), self.truth.view());
         Seen::new(&world, view, PLACES, |at, normal| received.at(at, normal), &|_| true)
     }

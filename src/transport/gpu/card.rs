@@ -14,6 +14,7 @@ use crate::field::{Levels, Marks, Octree};
 use crate::scene::Problem;
 use crate::scene::propagation::Policy;
 use crate::scene::propagation::descent::Descent;
+use crate::transport::arrivals::Arrivals;
 use crate::transport::divergence::Divergence;
 use crate::transport::kind::{Setup, Transport};
 use crate::transport::lattice::Lattice;
@@ -153,6 +154,10 @@ impl Transport<f32> for OnCard {
 
     fn admit(&mut self, state: &State<f32>) -> Result<(), Divergence> {
         self.lattice.admit(state)
+    }
+
+    fn arrivals(&self, state: &State<f32>, level: Option<usize>) -> Option<Vec<Arrivals>> {
+        self.lattice.arrivals(state, level)
     }
 
     fn step(&mut self, state: &mut State<f32>) -> Work {

@@ -142,7 +142,7 @@ impl<T> Touched<T> {
 /// The cells of a level whose light depends on an occluder.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Touched<T> {
-    pub(super) cells: Vec<Cell>,
+    pub(in crate::transport::lattice) cells: Vec<Cell>,
     /// For fuzzy occluders, what lies around each of the cells.
     around: Vec<[Around<T>; 6]>,
 }
