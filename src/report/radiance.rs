@@ -29,7 +29,8 @@ pub fn side_by_side(images: &[&Image], exposure: f32) -> Result<Vec<u8>, RasterE
     png(&Image::new(width, (0..height).flat_map(rows).collect()), exposure)
 }
 
-/// How much brighter (red) or darker (blue) than `reference` a picture is at an exposure; alike is white.
+/// How much brighter (red) or darker (blue) a picture looks than `reference` on a display: alike is white, black against
+/// white, or more, is the full colour. What is beyond white in both is alike.
 ///
 /// # Errors
 /// As [`png`].
@@ -39,10 +40,10 @@ pub fn difference(reference: &Image, test: &Image, exposure: f32) -> Result<Vec<
 
 /// The pixels of [`difference`], eight bits a channel, row by row from the top.
 pub fn difference_pixels(reference: &Image, test: &Image, exposure: f32) -> Vec<u8> {
+    let shown = |light: f32| encode(f64::from((light * exposure).clamp(0.0, 1.0)));
     let pixel = |(r, t): (&[f32; 3], &[f32; 3])| {
-        let by: f32 = (0..3).map(|c| t[c] - r[c]).sum::<f32>() / 3.0 * exposure;
-        let left = f64::from(1.0 - by.abs().min(1.0));
-        let [strong, weak] = [1.0, encode(left)].map(|v| (v * 255.0).round() as u8);
+        let by: f64 = (0..3).map(|c| shown(t[c]) - shown(r[c])).sum::<f64>() / 3.0;
+        let [strong, weak] = [1.0, 1.0 - by.abs()].map(|v| (v * 255.0).round() as u8);
         if by > 0.0 { [strong, weak, weak] } else { [weak, weak, strong] }
     };
     reference.pixels().iter().zip(test.pixels()).flat_map(pixel).collect()
@@ -121,6 +122,10 @@ mod tests {
         assert_eq!(of(0.5), [255, 255, 255]);
         let (red, blue) = (of(1.0), of(0.0));
         assert!(red[0] == 255 && red[1] < 255 && blue[2] == 255 && blue[0] < 255);
+        // sRGB shows a radiance of 0.5 as 0.735 of white.
+        assert_eq!((red[1], blue[0]), (188, 67));
+        let (bright, brighter) = (Image::from_fn([1, 1], |_, _| [5.0; 3]), Image::from_fn([1, 1], |_, _| [7.0; 3]));
+        assert_eq!(difference_pixels(&bright, &brighter, 1.0), [255, 255, 255]);
     }
 
     #[test]
