@@ -59,6 +59,7 @@ fn assert_same(what: &str, [cpu, card]: &[Simulation<f32>; 2]) {
     for i in 0..cpu.sizes().count() {
         assert_eq!(cpu.index().level(i), card.index().level(i), "{what}: marks of level {i}");
     }
+    assert_eq!(cpu.arrivals(None), card.arrivals(None), "{what}: what arrived at solids");
 }
 
 /// Step by step, then many at once, up to sixteen iterations.
