@@ -121,7 +121,7 @@ impl OctreeArgs {
 
 fn table(rows: &[Row]) -> Table<11> {
     let mut table =
-        Table::new(["preset", "scheme", "p", "n", "way", "k", "cells", "updates", "ms", "converged", "after_k"]);
+        Table::new(["preset", "scheme", "p", "n", "way", "k", "converged", "after_k", "cells", "updates", "ms"]);
     for row in rows {
         table.push([
             row.preset.as_str().into(),
@@ -130,11 +130,11 @@ fn table(rows: &[Row]) -> Table<11> {
             row.size.into(),
             row.way.as_str().into(),
             row.iterations.into(),
+            row.converged.into(),
+            row.after.into(),
             row.cells.into(),
             row.updates.into(),
             (1e3 * row.seconds).into(),
-            row.converged.into(),
-            row.after.into(),
         ]);
     }
     table
