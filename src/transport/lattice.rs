@@ -119,7 +119,7 @@ pub struct Lattice<T> {
     forms: Vec<Option<Form<T>>>,
     /// What light that comes to rest on each level is multiplied with, by band.
     residences: Vec<[f64; 2]>,
-    obstacles: Option<Arc<LatticeSolids<T>>>,
+    solids: Option<Arc<LatticeSolids<T>>>,
     /// By level the cells that accumulate, where not all do.
     accumulating: Option<Arc<Vec<Marks>>>,
     /// By channel and level; `None` after anything but an iteration has touched the light.
@@ -151,7 +151,7 @@ impl<T: Real> Lattice<T> {
         };
         Ok(Lattice {
             forms: stencils.iter().map(Form::of).collect(),
-            obstacles: LatticeSolids::new(problem, *sizes, &scheme).map(Arc::new),
+            solids: LatticeSolids::new(problem, *sizes, &scheme).map(Arc::new),
             accumulating: accumulating(problem, *sizes).map(Arc::new),
             ceiling,
             coarse,
@@ -178,8 +178,8 @@ impl<T: Real> Transport<T> for Lattice<T> {
         self.known = None;
         self.ceiling.clear();
         self.coarse.iter_mut().for_each(Coarse::rest);
-        if let Some(obstacles) = &self.obstacles {
-            obstacles.mark_shut(&mut state.index);
+        if let Some(solids) = &self.solids {
+            solids.mark_shut(&mut state.index);
         }
     }
 
@@ -222,7 +222,7 @@ impl<T: Real> Transport<T> for Lattice<T> {
         let end = state.iteration + iterations;
         while state.iteration < end && !self.is_done() {
             self.admit(state)?;
-            let steps = self.options.tolerance.is_some() || self.obstacles.is_some() || self.coarse.is_some();
+            let steps = self.options.tolerance.is_some() || self.solids.is_some() || self.coarse.is_some();
             if steps || !self.is_fast(state) {
                 *work += self.step(state);
                 continue;
@@ -237,7 +237,7 @@ impl<T: Real> Transport<T> for Lattice<T> {
 
     fn still_to_come(&self) -> Option<f64> {
         // Occluders may reflect more than they stop, and what counts is what was accumulated everywhere.
-        let hidden = self.obstacles.is_some() || self.accumulating.is_some() || self.coarse.is_some();
+        let hidden = self.solids.is_some() || self.accumulating.is_some() || self.coarse.is_some();
         if self.options.tolerance.is_none() || hidden {
             return None;
         }
@@ -264,7 +264,7 @@ impl<T: Real> Transport<T> for Lattice<T> {
     fn shared_bytes(&self) -> usize {
         let marks = self.accumulating.iter().flat_map(|cells| cells.iter());
         let marks: usize = marks.map(|cells| size_of_val(cells.words())).sum();
-        marks + self.obstacles.as_ref().map_or(0, |obstacles| obstacles.bytes())
+        marks + self.solids.as_ref().map_or(0, |solids| solids.bytes())
     }
 
     fn boxed_clone(&self) -> Box<dyn Transport<T>> {

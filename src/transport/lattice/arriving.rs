@@ -21,7 +21,7 @@ impl<T: Real> Lattice<T> {
     /// That of each channel, in the cells of a level or in the finest cells as they are sampled; `None` where solids do
     /// not stop light at the border of their cells, or not all cells accumulate.
     pub(super) fn arrivals_at_solids(&self, state: &State<T>, level: Option<usize>) -> Option<Vec<Arrivals>> {
-        let solids = self.obstacles.as_deref().filter(|_| self.accumulating.is_none())?;
+        let solids = self.solids.as_deref().filter(|_| self.accumulating.is_none())?;
         if matches!(solids.occluders, OcclusionLaw::Fuzzy(_)) {
             return None;
         }

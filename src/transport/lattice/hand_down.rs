@@ -19,12 +19,12 @@ impl<T: Real> Lattice<T> {
         for (colour, Light { source, accumulated, .. }) in state.lights.iter_mut().enumerate() {
             for i in 1..sizes.count() {
                 // Each level has gone a step further than the one before.
-                let acting = self.obstacles.as_deref().and_then(|obstacles| obstacles.acting(iteration + i));
+                let acting = self.solids.as_deref().and_then(|solids| solids.acting(iteration + i));
                 let moved = match &self.forms[i - 1] {
                     Some(form) if acting.is_none() => once(form, source.level(i - 1).clone()),
                     _ => {
                         let mut moved = Grid::new(sizes.side(i - 1));
-                        let blocks = acting.is_some_and(|obstacles| obstacles.blocks(iteration + i));
+                        let blocks = acting.is_some_and(|solids| solids.blocks(iteration + i));
                         let which = Which { level: i - 1, colour, blocks };
                         step(acting, &self.stencils[i - 1], which, source.level(i - 1), &mut moved);
                         moved

@@ -25,8 +25,8 @@ impl<T: Real> Lattice<T> {
     /// One iteration by the definition.
     pub(super) fn plainly(&mut self, state: &mut State<T>) -> Work {
         let keep_source = self.counts_twice(state);
-        let acting = self.obstacles.as_deref().and_then(|obstacles| obstacles.acting(state.iteration + 1));
-        let blocks = acting.is_some_and(|obstacles| obstacles.blocks(state.iteration + 1));
+        let acting = self.solids.as_deref().and_then(|solids| solids.acting(state.iteration + 1));
+        let blocks = acting.is_some_and(|solids| solids.blocks(state.iteration + 1));
         for (colour, light) in state.lights.iter_mut().enumerate() {
             for (i, stencil) in self.stencils.iter().enumerate() {
                 let (source, target) = (light.source.level(i), light.target.level_mut(i));
@@ -89,7 +89,7 @@ impl<T: Real> Lattice<T> {
                     level: i,
                     colour,
                     stencil: &self.stencils[i],
-                    obstacles: self.obstacles.as_deref(),
+                    solids: self.solids.as_deref(),
                     accumulating: self.accumulating.as_ref().map(|cells| &cells[i]),
                 };
                 let iterations = state.iteration..state.iteration + iterations;
@@ -168,7 +168,7 @@ struct Stage<'a, T> {
     level: usize,
     colour: usize,
     stencil: &'a Stencil<T>,
-    obstacles: Option<&'a LatticeSolids<T>>,
+    solids: Option<&'a LatticeSolids<T>>,
     /// The cells that accumulate, where not all do.
     accumulating: Option<&'a Marks>,
 }
@@ -191,7 +191,7 @@ impl<'a, T: Real> Stage<'a, T> {
                 layout: self.source.layout(),
                 threads,
                 left: iterations.len() - done,
-                occluders: self.obstacles.is_some(),
+                occluders: self.solids.is_some(),
                 acting: among.is_some(),
                 some_accumulate: self.accumulating.is_some(),
             };
@@ -223,9 +223,9 @@ impl<'a, T: Real> Stage<'a, T> {
 
     /// The occluders that act in an iteration, counted from 1.
     fn among(&self, iteration: usize) -> Option<WithSolids<'a, T>> {
-        let obstacles = self.obstacles?.acting(iteration)?;
-        let (occluders, touched) = (&obstacles.occluders, &obstacles.touched[self.level]);
-        let which = Which { level: self.level, colour: self.colour, blocks: obstacles.blocks(iteration) };
+        let solids = self.solids?.acting(iteration)?;
+        let (occluders, touched) = (&solids.occluders, &solids.touched[self.level]);
+        let which = Which { level: self.level, colour: self.colour, blocks: solids.blocks(iteration) };
         Some(WithSolids { occluders, which, touched, stencil: self.stencil })
     }
 }

@@ -22,7 +22,7 @@ impl Lattice<f32> {
 
     /// What stands in the light's way, and by level the cells that it touches.
     pub(in crate::transport) fn solids(&self) -> Option<(&OcclusionLaw<f32>, &[Touched<f32>])> {
-        self.obstacles.as_ref().map(|obstacles| (&obstacles.occluders, obstacles.touched.as_slice()))
+        self.solids.as_ref().map(|solids| (&solids.occluders, solids.touched.as_slice()))
     }
 
     /// By level the cells that accumulate, where not all do.
@@ -32,12 +32,12 @@ impl Lattice<f32> {
 
     /// Whether solids act on light in an iteration, counted from 1.
     pub(in crate::transport) fn acts(&self, iteration: usize) -> bool {
-        self.obstacles.as_ref().is_some_and(|obstacles| obstacles.acting(iteration).is_some())
+        self.solids.as_ref().is_some_and(|solids| solids.acting(iteration).is_some())
     }
 
     /// Whether they stop light in an iteration, counted from 1.
     pub(in crate::transport) fn blocks(&self, iteration: usize) -> bool {
-        self.obstacles.as_ref().is_some_and(|obstacles| obstacles.blocks(iteration))
+        self.solids.as_ref().is_some_and(|solids| solids.blocks(iteration))
     }
 
     /// Whether the iteration after so many keeps its source in the target: the first one of NVIDIA's sample.
