@@ -205,8 +205,10 @@ impl Scene {
         painter.image(self.texture(ui, drawn, &theme), rect, whole, Color32::WHITE);
         let projection = Projection::new(&self.eye, rect, stage.placement.size);
         handles::frame(&painter, &projection, stage.placement.size as f32, &theme);
-        handles::camera(ui, &painter, session, stage, &self.eye, &projection, &theme, asks);
-        handles::lights(ui, &painter, session, stage, &self.eye, &projection, &theme, asks);
+        let (painter, projection) = (&painter, &projection);
+        let handles = handles::Handles { ui, painter, session, stage, eye: &self.eye, projection, theme: &theme };
+        handles.camera(asks);
+        handles.lights(asks);
     }
 
     /// The picture of what is drawn, made anew where that has changed.

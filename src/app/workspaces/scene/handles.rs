@@ -28,27 +28,6 @@ fn cells(stage: &Stage, metres: [f64; 3]) -> Vec3 {
     stage.placement.in_cells(DVec3::from_array(metres)).as_vec3()
 }
 
-/// How far the hand drags a handle at a place in metres; in metres, in the plane across the view.
-fn dragged(
-    ui: &Ui,
-    name: &str,
-    at: [f64; 3],
-    stage: &Stage,
-    eye: &Eye,
-    projection: &Projection,
-) -> (Pos2, bool, Option<DVec3>) {
-    let place = cells(stage, at);
-    let on_screen = projection.at(place);
-    let rect = Rect::from_center_size(on_screen, Vec2::splat(HANDLE));
-    let response = ui.interact(rect, ui.scope_id().with(("handle", name)), Sense::drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
-    let response = response.on_hover_cursor(CursorIcon::Grab).on_hover_text(name);
-    let by = response
-        .dragged()
-        .then(|| eye.drag(projection, place, response.drag_delta()).as_dvec3() * stage.placement.cell_side);
-    (on_screen, response.hovered() || response.dragged(), by)
-}
-
 /// Changes the scene in the document.
 fn change(session: &Session, asks: &mut Asks, change: impl FnOnce(&mut MeshScene)) {
     let before = &session.document.preset;
@@ -74,77 +53,94 @@ pub fn frame(painter: &Painter, projection: &Projection, n: f32, theme: &Theme) 
     }
 }
 
-/// Every light with its handle; those that have a direction with an arrow.
-#[expect(clippy::too_many_arguments, reason = "a handle needs the view that it lies on and the session it changes")]
-pub fn lights(
-    ui: &Ui,
-    painter: &Painter,
-    session: &Session,
-    stage: &Stage,
-    eye: &Eye,
-    projection: &Projection,
-    theme: &Theme,
-    asks: &mut Asks,
-) {
-    let Some(scene) = &session.document.preset.scene else { return };
-    let n = stage.placement.size as f32;
-    for (i, light) in scene.lights.iter().enumerate() {
-        let ink = if light.enabled { ON } else { color(theme.muted) };
-        let arrow = |from: Vec3| {
-            let Some(way) = light.direction() else { return };
-            let from_to = [from, from + way.as_vec3() * ARROW * n].map(|place| projection.at(place));
-            painter.arrow(from_to[0], from_to[1] - from_to[0], Stroke::new(2.0, ink));
-        };
-        match light.kind {
-            LightKind::Point { position } | LightKind::Spot { position, .. } => {
-                arrow(cells(stage, position));
-                let name = format!("Position of light {}", i + 1);
-                let (at, held, by) = dragged(ui, &name, position, stage, eye, projection);
-                painter.circle(at, if held { 9.0 } else { 7.0 }, ink, Stroke::new(1.5, Color32::BLACK));
-                let Some(by) = by else { continue };
-                change(session, asks, |scene| {
-                    if let LightKind::Point { position } | LightKind::Spot { position, .. } = &mut scene.lights[i].kind
-                    {
-                        *position = (DVec3::from_array(*position) + by).to_array();
-                    }
-                });
-            }
-            LightKind::Sun { .. } => {
-                let way = light.direction().unwrap_or(DVec3::NEG_Y).as_vec3();
-                arrow(Vec3::splat(n / 2.0) - way * (SUN + ARROW) * n);
+/// Draws handles onto a view of the scene, and asks for what the hand does with them.
+pub struct Handles<'a> {
+    /// Where the view is.
+    pub ui: &'a Ui,
+    /// What draws onto it.
+    pub painter: &'a Painter,
+    /// Whose document is changed.
+    pub session: &'a Session,
+    /// The scene in its volume.
+    pub stage: &'a Stage,
+    /// Who looks at it.
+    pub eye: &'a Eye,
+    /// How places come onto the screen.
+    pub projection: &'a Projection,
+    /// The window's colours.
+    pub theme: &'a Theme,
+}
+
+impl Handles<'_> {
+    /// Every light with its handle; those that have a direction with an arrow.
+    pub fn lights(&self, asks: &mut Asks) {
+        let Some(scene) = &self.session.document.preset.scene else { return };
+        let n = self.stage.placement.size as f32;
+        for (i, light) in scene.lights.iter().enumerate() {
+            let ink = if light.enabled { ON } else { color(self.theme.muted) };
+            let arrow = |from: Vec3| {
+                let Some(way) = light.direction() else { return };
+                let from_to = [from, from + way.as_vec3() * ARROW * n].map(|place| self.projection.at(place));
+                self.painter.arrow(from_to[0], from_to[1] - from_to[0], Stroke::new(2.0, ink));
+            };
+            match light.kind {
+                LightKind::Point { position } | LightKind::Spot { position, .. } => {
+                    arrow(cells(self.stage, position));
+                    let (at, held, by) = self.dragged(&format!("Position of light {}", i + 1), position);
+                    self.painter.circle(at, if held { 9.0 } else { 7.0 }, ink, Stroke::new(1.5, Color32::BLACK));
+                    let Some(by) = by else { continue };
+                    change(self.session, asks, |scene| {
+                        if let LightKind::Point { position } | LightKind::Spot { position, .. } =
+                            &mut scene.lights[i].kind
+                        {
+                            *position = (DVec3::from_array(*position) + by).to_array();
+                        }
+                    });
+                }
+                LightKind::Sun { .. } => {
+                    let way = light.direction().unwrap_or(DVec3::NEG_Y).as_vec3();
+                    arrow(Vec3::splat(n / 2.0) - way * (SUN + ARROW) * n);
+                }
             }
         }
     }
-}
 
-/// The picture's camera as a pyramid before its eye, which is dragged.
-#[expect(clippy::too_many_arguments, reason = "a handle needs the view that it lies on and the session it changes")]
-pub fn camera(
-    ui: &Ui,
-    painter: &Painter,
-    session: &Session,
-    stage: &Stage,
-    eye: &Eye,
-    projection: &Projection,
-    theme: &Theme,
-    asks: &mut Asks,
-) {
-    let Some(scene) = &session.document.preset.scene else { return };
-    let camera = scene.camera.unwrap_or(stage.camera);
-    let ink = color(theme.curve(0));
-    let far = corners(&camera, f64::from(PYRAMID) * stage.placement.size as f64 * stage.placement.cell_side);
-    for (i, corner) in far.iter().flatten().enumerate() {
-        let next = far.as_ref().map_or(*corner, |far| far[(i + 1) % 4]);
-        let [from, corner, next] = [camera.from, *corner, next].map(|place| projection.at(cells(stage, place)));
-        painter.line_segment([from, corner], (1.0, ink));
-        painter.line_segment([corner, next], (1.0, ink));
+    /// The picture's camera as a pyramid before its eye, which is dragged.
+    pub fn camera(&self, asks: &mut Asks) {
+        let (stage, projection) = (self.stage, self.projection);
+        let Some(scene) = &self.session.document.preset.scene else { return };
+        let camera = scene.camera.unwrap_or(stage.camera);
+        let ink = color(self.theme.curve(0));
+        let far = corners(&camera, f64::from(PYRAMID) * stage.placement.size as f64 * stage.placement.cell_side);
+        for (i, corner) in far.iter().flatten().enumerate() {
+            let next = far.as_ref().map_or(*corner, |far| far[(i + 1) % 4]);
+            let [from, corner, next] = [camera.from, *corner, next].map(|place| projection.at(cells(stage, place)));
+            self.painter.line_segment([from, corner], (1.0, ink));
+            self.painter.line_segment([corner, next], (1.0, ink));
+        }
+        let (at, held, by) = self.dragged("Position of the camera", camera.from);
+        let half = if held { 6.0 } else { 4.5 };
+        self.painter.rect_filled(Rect::from_center_size(at, Vec2::splat(2.0 * half)), 2.0, ink);
+        if let Some(by) = by {
+            let from = (DVec3::from_array(camera.from) + by).to_array();
+            change(self.session, asks, |scene| scene.camera = Some(Camera { from, ..camera }));
+        }
     }
-    let (at, held, by) = dragged(ui, "Position of the camera", camera.from, stage, eye, projection);
-    let half = if held { 6.0 } else { 4.5 };
-    painter.rect_filled(Rect::from_center_size(at, Vec2::splat(2.0 * half)), 2.0, ink);
-    if let Some(by) = by {
-        let from = (DVec3::from_array(camera.from) + by).to_array();
-        change(session, asks, |scene| scene.camera = Some(Camera { from, ..camera }));
+
+    /// A handle at a place in metres: where it is on the screen, whether the hand is on it, and by how much it is dragged
+    /// in the plane across the view, in metres.
+    fn dragged(&self, name: &str, at: [f64; 3]) -> (Pos2, bool, Option<DVec3>) {
+        let place = cells(self.stage, at);
+        let on_screen = self.projection.at(place);
+        let rect = Rect::from_center_size(on_screen, Vec2::splat(HANDLE));
+        let response = self.ui.interact(rect, self.ui.scope_id().with(("handle", name)), Sense::drag());
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+        let response = response.on_hover_cursor(CursorIcon::Grab).on_hover_text(name);
+        let by = response.dragged().then(|| {
+            let by = self.eye.drag(self.projection, place, response.drag_delta());
+            by.as_dvec3() * self.stage.placement.cell_side
+        });
+        (on_screen, response.hovered() || response.dragged(), by)
     }
 }
 
