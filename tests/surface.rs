@@ -8,6 +8,7 @@ use lpv_lab::scene::mesh_scene::Volume;
 use lpv_lab::simulation::Simulation;
 use lpv_lab::study::expectation::truths::SurfaceTruth;
 use lpv_lab::study::expectation::{Expectation, References};
+use lpv_lab::study::pareto;
 use lpv_lab::study::surface::{self, Surfaces};
 use lpv_lab::transport::preset;
 
@@ -59,6 +60,22 @@ fn a_scene_moved_by_whole_cells_is_measured_alike() {
             assert!((a - b).abs() < 1e-3, "{scheme}: {here:?}, {there:?}");
         }
     }
+}
+
+#[test]
+fn time_is_set_against_what_reaches_surfaces() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("presets");
+    let mut preset = preset::read(&folder.join("cube-room.ron")).unwrap();
+    preset.size = 8;
+    preset.scene.as_mut().unwrap().shadow_map = 32;
+    let problem = Problem::build(&preset, &folder).unwrap();
+    let rows = pareto::measure("room", &problem, 1, &|_| true).unwrap().unwrap();
+    let errors = |scheme: &str, k: usize| -> Vec<f64> {
+        let ours = rows.iter().filter(|row| row.expectation == Expectation::Surface && row.scheme == scheme);
+        ours.filter(|row| k == 0 || row.iterations == k).map(|row| row.l1.fitted).collect()
+    };
+    let worst = errors("ordinates", 0).into_iter().fold(0.0, f64::max);
+    assert!(worst > 0.0 && errors("cascaded", 32).iter().all(|error| *error > worst), "{worst}");
 }
 
 #[test]

@@ -6,7 +6,8 @@
 //!
 //! - *uniform*: the fixed point of the uniform volume under the same scheme and factor, what the scheme itself
 //!   is after (a kind without levels is after something else);
-//! - *ballistic*: what truly arrives, against the light that has moved.
+//! - *ballistic*: what truly arrives, against the light that has moved;
+//! - *surface*, where the scene has a mesh: what truly reaches its surfaces after one bounce.
 //!
 //! Times are medians over rounds in which all ways take turns. They hold all that is computed between the
 //! injected and the merged light, but not the making of the grids.
@@ -15,6 +16,7 @@ pub mod synthetic;
 mod way;
 
 use super::expectation::Expectation;
+use super::expectation::truths::SurfaceTruth;
 use super::fit::{BestFit, l1};
 use super::light::channel_scales;
 use super::reference;
@@ -74,7 +76,8 @@ pub struct Row {
     pub seconds: f64,
     /// The same in the fastest and in the slowest round.
     pub spread: [f64; 2],
-    /// [`Expectation::Merged`], the uniform volume being at its fixed point, or [`Expectation::Ballistic`].
+    /// [`Expectation::Merged`], the uniform volume being at its fixed point, [`Expectation::Ballistic`] or
+    /// [`Expectation::Surface`].
     pub expectation: Expectation,
     /// The error as it is, and after the scalar that fits best.
     pub l1: BestFit,
@@ -162,6 +165,7 @@ pub fn measure_against(
         progress(f64::from(done) / steps)
     };
     let start = Start::new(problem)?;
+    let surfaces = SurfaceTruth::of(problem, &|_| true);
     let mut fixed_points = Vec::new();
     for name in levelled {
         fixed_points.push((name, reference::fixed_point(&way::with(problem, name, Treatment::Uniform, 0))?));
@@ -211,6 +215,13 @@ pub fn measure_against(
             rows.push(row(Expectation::Merged, l1(&scales, &outcome.all, uniform)));
         }
         rows.push(row(Expectation::Ballistic, l1(&scales, &outcome.moved, truth.light())));
+        if let Some(surfaces) = &surfaces {
+            let found = way.on_surfaces(&start, surfaces)?;
+            rows.push(row(
+                Expectation::Surface,
+                BestFit { raw: found.l1, fitted: found.l1_fitted, scale: found.scale },
+            ));
+        }
     }
     Ok(Some(rows))
 }

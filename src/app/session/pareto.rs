@@ -5,12 +5,13 @@ use crate::study::expectation::Expectation;
 use crate::study::pareto::Row;
 
 /// What time can be set against.
-pub const CHOICES: [Expectation; 2] = [Expectation::Ballistic, Expectation::Merged];
+pub const CHOICES: [Expectation; 3] = [Expectation::Ballistic, Expectation::Merged, Expectation::Surface];
 
 /// What the choice of an expectation says.
 pub fn choice_name(expectation: Expectation) -> &'static str {
     match expectation {
         Expectation::Ballistic => "Against what truly arrives",
+        Expectation::Surface => "Against what truly reaches surfaces",
         _ => "Against the uniform fixed point",
     }
 }

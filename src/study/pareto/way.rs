@@ -7,9 +7,12 @@ use crate::scene::propagation::{Policy, Snapshots};
 use crate::scene::{Problem, Propagation};
 use crate::simulation::options::Wanted;
 use crate::simulation::{Refusal, Simulation};
+use crate::study::expectation::Expectation;
+use crate::study::expectation::truths::SurfaceTruth;
 use crate::study::light;
 use crate::study::pareto::Treatment;
 use crate::study::reference;
+use crate::study::surface::Surfaces;
 use crate::transport::solve::NoFixedPoint;
 use crate::transport::{Kind, find, kinds};
 
@@ -96,6 +99,20 @@ impl Way {
             Way::Solve { .. } if self.kind().can.levels => Treatment::Converged,
             Way::Solve { .. } => Treatment::Uniform,
         }
+    }
+
+    /// How far what it gives to the surfaces of a scene is from what truly reaches them. It is run once more for that,
+    /// outside of all times: whoever solves for the light of cells does not know what surfaces receive.
+    pub(super) fn on_surfaces(&self, start: &Start, truth: &SurfaceTruth) -> Result<Surfaces, Refusal> {
+        let problem = Problem { propagation: self.propagation().clone(), ..start.problem.clone() };
+        let iterations = if let Way::Iterate { iterations, .. } = self { *iterations } else { 0 };
+        let problem = Expectation::Surface.prepared(with(&problem, self.kind().name, self.treatment(), iterations));
+        let mut simulation = Simulation::<f32>::new(problem)?;
+        match self {
+            Way::Iterate { .. } => drop(simulation.run_all(Wanted::Everything)),
+            Way::Solve { .. } => drop(simulation.settle(|_| true)),
+        }
+        Ok(truth.compare(&simulation))
     }
 
     /// From the injected light to what becomes of it.

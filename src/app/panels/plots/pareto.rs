@@ -35,7 +35,8 @@ pub fn controls(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     let choice = &mut plots.pareto;
     let combo = ComboBox::from_id_salt("pareto reference").selected_text(choice_name(*choice)).width(188.0);
     let combo = combo.show_ui(ui, |ui| {
-        for one in CHOICES {
+        let has_mesh = session.document.preset.scene.is_some();
+        for one in CHOICES.into_iter().filter(|one| has_mesh || !one.needs_mesh()) {
             ui.selectable_value(choice, one, choice_name(one));
         }
     });
