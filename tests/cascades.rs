@@ -3,8 +3,9 @@
 
 use glam::DVec3;
 use lpv_lab::field::{Cell, Grid};
+use lpv_lab::scene::occluder::OcclusionMode;
 use lpv_lab::scene::propagation::descent::Descent;
-use lpv_lab::scene::{Problem, Propagation, Source};
+use lpv_lab::scene::{Problem, Propagation, Solid, Source};
 use lpv_lab::sh::Sh;
 use lpv_lab::simulation::Simulation;
 use lpv_lab::study::laws::{self, Symmetry};
@@ -102,6 +103,26 @@ fn both_keep_the_symmetries_of_the_cube_and_grids_alone_are_linear() {
     let mut alone = problem(32, &lobes(), cascades(None, true), 3);
     alone.propagation.clamp = false;
     assert_eq!(laws::superposition(&run(alone), 1e-12), Ok(()));
+}
+
+#[test]
+fn a_closed_wall_shuts_in_every_grid() {
+    for x in [14, 21, 26] {
+        for alone in [false, true] {
+            let mut asked = problem(32, &lobes(), cascades(None, alone), 6);
+            asked.occlusion.mode = OcclusionMode::Hard;
+            let lit = |asked: &Problem| run(asked.clone()).lights()[0].merged.clone().unwrap();
+            // The coarse cells that hold the wall reach up to four cells from it.
+            let beyond = |merged: &Grid<f64>| -> f64 {
+                merged.iter().filter(|(cell, _)| cell[0] >= x + 4).map(|(_, light)| light.max_norm()).sum()
+            };
+            asked.sources[0].light.retain(|(cell, _)| cell[0] < x);
+            let open = beyond(&lit(&asked));
+            asked.solids = (0..1024).map(|i| Solid::new([x, i % 32, i / 32], DVec3::NEG_X, 1.0, [0.5; 3])).collect();
+            assert_eq!(beyond(&lit(&asked)), 0.0, "a wall at {x}, alone: {alone}");
+            assert!(alone || open > 0.0, "without a wall there is light");
+        }
+    }
 }
 
 #[test]

@@ -42,15 +42,15 @@ pub use solids::Solids;
 
 use std::sync::Arc;
 
-use super::kind::{Kind, Setup, Transport};
+use super::kind::{Kind, Law, Setup, Transport};
 use super::lattice::linear::linear_form;
 use super::lattice::schemes;
 use super::lattice::stencil::Stencil;
 use super::lattice::{self, exact};
 use super::refusal::Refusal;
 use crate::field::{Levels, Marks};
-use crate::scene::Problem;
 use crate::scene::propagation::descent::Descent as Asked;
+use crate::scene::{Problem, Propagation};
 use crate::sh::Real;
 use alone::Alone;
 use nest::Nest;
@@ -59,7 +59,19 @@ use staged::Staged;
 /// Every scheme as a kind of transport, which descends where a problem asks for it.
 pub fn kinds() -> Vec<Kind> {
     let kinds = lattice::kinds().into_iter();
-    kinds.map(|kind| Kind { bytes, single: build::<f32>, double: Some(build::<f64>), ..kind }).collect()
+    kinds.map(|kind| Kind { laws, bytes, single: build::<f32>, double: Some(build::<f64>), ..kind }).collect()
+}
+
+/// A descent is ahead of its steps, is handed down as the light lies, which is not linear, and ends near the fixed point.
+/// Cascades by themselves lose light at every border.
+fn laws(propagation: &Propagation) -> Vec<Law> {
+    let mut laws = lattice::laws(propagation);
+    match propagation.descent {
+        Asked::Off => {}
+        Asked::Cascades { alone: true, .. } => laws.retain(|law| !matches!(law, Law::Conservation | Law::FixedPoint)),
+        _ => laws.retain(|law| matches!(law, Law::Symmetry | Law::Shutters | Law::Precision)),
+    }
+    laws
 }
 
 fn build<T: Real>(setup: &Setup) -> Result<Box<dyn Transport<T>>, Refusal> {
