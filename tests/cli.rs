@@ -268,6 +268,16 @@ fn wrong_arguments_and_files_are_refused_in_one_line() {
     refused(&["run", "mixed", "--slice", "w=3"], &["--slice", "z=16"]);
     refused(&["run", "mixed", "--factor", "-3"], &["propagation.factor", "-3", "zero or more"]);
     refused(&["run", "mixed", "--factor", "3,5"], &["--factor", "write 3.5"]);
+    refused(&["run", "mixed", "--cascade-side", "8"], &["--cascade-side", "--descent cascades"]);
+    refused(
+        &["run", "mixed", "--descent", "cascades", "--leaf-distance", "3"],
+        &["--leaf-distance", "--descent leaves"],
+    );
+    refused(
+        &["run", "mixed", "--descent", "cascades", "--cascade-side", "12"],
+        &["descent.side", "12", "power of two"],
+    );
+    refused(&["octree", "--cascade-side", "4"], &["--cascade-side", "power of two", "from 8"]);
     refused(&["compare", "mixed", "--factor", "-3"], &["propagation.factor", "-3", "zero or more"]);
     refused(&["stability", "mixed", "--factor", "-3"], &["propagation.factor", "-3", "zero or more"]);
     refused(&["run", "mixed", "--iterations", "-1"], &["--iterations", "-1", "whole number"]);

@@ -6,6 +6,7 @@ use glam::DVec3;
 use lpv_lab::field::{Cell, Grid};
 use lpv_lab::scene::occluder::OcclusionMode;
 use lpv_lab::scene::propagation::Propagation;
+use lpv_lab::scene::propagation::descent::Descent;
 use lpv_lab::scene::propagation::directions::{Lattice, Setting};
 use lpv_lab::scene::{Occlusion, Problem, Solid, Source};
 use lpv_lab::sh::Sh;
@@ -43,9 +44,21 @@ fn settings() -> impl Iterator<Item = (&'static Kind, Propagation)> {
     kinds().iter().flat_map(move |kind| [true, false].map(|clamp| setting(kind, clamp)))
 }
 
+/// Every kind that has levels, with its coarse levels starting the fine ones, at a factor at which none grows.
+fn descents() -> impl Iterator<Item = (&'static Kind, Propagation)> {
+    let cascades = |alone| Descent::Cascades { side: N, center: None, alone };
+    let descents = [Descent::Cells, Descent::Leaves { distance: 2.0 }, cascades(false), cascades(true)];
+    settings().filter(|(kind, propagation)| kind.can.levels && propagation.clamp).flat_map(
+        move |(kind, propagation)| {
+            descents.map(|descent| (kind, Propagation { descent, factor: 2.0, ..propagation.clone() }))
+        },
+    )
+}
+
 /// Those that claim a law; every law is claimed by somebody.
 fn claiming(law: Law) -> Vec<(&'static Kind, Propagation)> {
-    let found: Vec<_> = settings().filter(|(kind, propagation)| (kind.laws)(propagation).contains(&law)).collect();
+    let found: Vec<_> =
+        settings().chain(descents()).filter(|(kind, propagation)| (kind.laws)(propagation).contains(&law)).collect();
     assert!(!found.is_empty(), "{law:?}");
     found
 }
@@ -153,7 +166,10 @@ fn closed_walls_shut() {
         problem.solids = wall(4).collect();
         problem.occlusion.mode = OcclusionMode::Hard;
         let behind = |simulation: &Simulation<f64>| -> f64 {
-            finest(simulation).iter().filter(|(cell, _)| cell[0] > 4).map(|(_, light)| light.max_norm()).sum()
+            // Leaves of a descent are coarse far from the light.
+            let descends = simulation.problem().propagation.descent.goes_down();
+            let light = if descends { simulation.lights()[0].merged.as_ref().unwrap() } else { finest(simulation) };
+            light.iter().filter(|(cell, _)| cell[0] > 4).map(|(_, light)| light.max_norm()).sum()
         };
         assert_eq!(behind(&run(problem.clone())), 0.0, "{}", kind.name);
         problem.solids.clear();

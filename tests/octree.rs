@@ -68,7 +68,7 @@ fn held_out(factor: f64) -> [Problem; 4] {
 }
 
 fn measured(problem: &Problem) -> Vec<Row> {
-    let ways = Way::all(&[2.0, 3.0]);
+    let ways = Way::all(&[2.0, 3.0], &[]);
     octree::measure("scene", problem, (&ways, &[4]), 1, &|_| true).unwrap().unwrap()
 }
 
@@ -157,7 +157,7 @@ fn in_step_levels_are_never_worse_than_the_thesiss_after_four_iterations() {
     small.sources[0].light[0].0 = [4; 3];
     let scenes = [(one_lobe(3.0), 0.5), (one_lobe(3.8), 0.5), (small, 0.5), (two_walls(3.8), 1.0), (mixed(3.0), 1.0)];
     for (problem, most) in scenes {
-        let rows = octree::measure("scene", &problem, (&Way::all(&[]), &[4]), 1, &|_| true).unwrap().unwrap();
+        let rows = octree::measure("scene", &problem, (&Way::all(&[], &[]), &[4]), 1, &|_| true).unwrap().unwrap();
         let [same, exact] = ["same", "exact"].map(|way| of(&rows, way).after);
         assert!(exact <= most * same, "{exact}, {same}");
     }

@@ -53,7 +53,9 @@ fn moves() -> impl Strategy<Value = Vec<Keyframe>> {
 
 fn descent() -> impl Strategy<Value = Descent> {
     let leaves = (2.0..100.0).prop_map(|distance| Descent::Leaves { distance });
-    prop_oneof![Just(Descent::Off), Just(Descent::Cells), leaves]
+    let center = prop::option::of(prop::array::uniform3(0.0..=SIZE as f64));
+    let cascades = (center, any::<bool>()).prop_map(|(center, alone)| Descent::Cascades { side: SIZE, center, alone });
+    prop_oneof![Just(Descent::Off), Just(Descent::Cells), leaves, cascades]
 }
 
 fn injector() -> impl Strategy<Value = Injector> {

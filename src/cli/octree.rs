@@ -12,7 +12,7 @@ use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot, Shape};
 use crate::report::table::Table;
 use crate::scene::Problem;
-use crate::scene::propagation::descent::FARTHEST;
+use crate::scene::propagation::descent::{FARTHEST, LEAST_SIDE};
 use crate::study::octree::{self, Row, Way};
 use crate::study::pareto::synthetic;
 
@@ -20,9 +20,11 @@ use crate::study::pareto::synthetic;
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  lpv-lab octree --factor 3,3.8,4\n  lpv-lab octree two-walls mixed --iterations 4,8 --distances 2,3\n  \
-                        lpv-lab octree --size 64 --factor 3.8 --rounds 5\n\n\
-                        way is uniform (the finest level alone), same, consistent or exact (every level by itself), descent-cells or\n\
-                        descent-leaves-R (the coarse levels start the fine ones), or solver. converged is the L1 error of the merged\n\
+                        lpv-lab octree --size 64 --factor 3.8 --rounds 5\n  \
+                        lpv-lab octree --size 64 --cascade-side 16\n\n\
+                        way is uniform (the finest level alone), same, consistent or exact (every level by itself), descent-cells,\n\
+                        descent-leaves-R or descent-cascades-C (the coarse levels start the fine ones), cascades-C-alone (nested\n\
+                        grids, each by itself), or solver. converged is the L1 error of the merged\n\
                         light against all the light there will ever be in the uniform volume, after_k against the uniform volume after\n\
                         as many iterations. cells are touched by an iteration; in a descent by one of every level."
 )]
@@ -44,6 +46,9 @@ pub struct OctreeArgs {
     /// Distances of leaves
     #[arg(long, value_name = "R,R,...", value_delimiter = ',', default_values_t = [2.0, 3.0], value_parser = distance)]
     distances: Vec<f64>,
+    /// Sides of nested cascades about the volume's middle; each is measured two-way and alone
+    #[arg(long, value_name = "C,C,...", value_delimiter = ',', value_parser = cascade)]
+    cascade_side: Vec<usize>,
     /// Rounds; the median time is reported
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     rounds: u16,
@@ -55,6 +60,11 @@ pub struct OctreeArgs {
 fn side(text: &str) -> Result<usize, String> {
     let side = text.parse().ok().filter(|n: &usize| n.is_power_of_two() && (2..=256).contains(n));
     side.ok_or_else(|| "a side is a power of two from 2 to 256".to_owned())
+}
+
+fn cascade(text: &str) -> Result<usize, String> {
+    let side = text.parse().ok().filter(|c: &usize| c.is_power_of_two() && *c >= LEAST_SIDE);
+    side.ok_or_else(|| format!("a side of cascades is a power of two from {LEAST_SIDE} on"))
 }
 
 fn iterations(text: &str) -> Result<usize, String> {
@@ -72,7 +82,7 @@ pub fn distance(text: &str) -> Result<f64, String> {
 pub fn run(args: &OctreeArgs) -> Result<(), CliError> {
     let problems = args.problems()?;
     let folder = Folder::create(args.out.clone())?;
-    let ways = Way::all(&args.distances);
+    let ways = Way::all(&args.distances, &args.cascade_side);
     let mut rows = Vec::new();
     for (name, problem) in &problems {
         let bar = if std::io::stderr().is_terminal() { ProgressBar::new(1000) } else { ProgressBar::hidden() };

@@ -38,6 +38,7 @@ pub const PRESETS: &[(&str, &str)] = presets![
     "room-with-windows",
     "atrium",
     "descent",
+    "nested-cascades",
     "moving-lobe",
 ];
 

@@ -108,19 +108,18 @@ impl Propagation {
     /// How often a whole run propagates an octree from side `size` down to side `coarsest`: as often as `iterations`
     /// says, and in a descent so often on every level.
     pub fn actions(&self, size: usize, coarsest: usize) -> usize {
-        match self.descent {
-            Descent::Off => self.iterations,
-            _ => self.iterations * (1 + (size / coarsest.max(1)).max(1).ilog2() as usize),
-        }
+        let levels = 1 + (size / coarsest.max(1)).max(1).ilog2() as usize;
+        if self.descent.goes_down() { self.iterations * levels } else { self.iterations }
     }
 
-    pub(super) fn check(&self) -> Result<(), Fault> {
+    /// Whether every value can be run in a volume of side `size`, with levels down to side `coarsest`.
+    pub(super) fn check(&self, size: usize, coarsest: usize) -> Result<(), Fault> {
         not_negative(self.factor, "the factor").map_err(|p| p.field("factor"))?;
         if self.iterations > MOST_ITERATIONS {
             let what = format!("{} iterations are too many", self.iterations);
             return Err(Fault::new(what, format!("at most {MOST_ITERATIONS} are run")).field("iterations"));
         }
-        self.descent.check().map_err(|p| p.within(Step::Field("descent")))?;
+        self.descent.check(size, coarsest).map_err(|p| p.within(Step::Field("descent")))?;
         let directions = self.ordinates.directions;
         if !(1..=MOST_DIRECTIONS).contains(&directions) {
             let fault =

@@ -209,7 +209,8 @@ struct Channel {
 impl Warm {
     fn new(problem: &Problem) -> Result<Self, MotionError> {
         let propagation = &problem.propagation;
-        if propagation.descent == Asked::Off && propagation.levels != Policy::Same {
+        let alike = propagation.descent == Asked::Off && propagation.levels == Policy::Same;
+        if !(alike || propagation.descent.goes_down()) {
             return Err(MotionError::Cold);
         }
         let mut problem = problem.clone();

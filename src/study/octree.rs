@@ -33,12 +33,16 @@ pub enum Way {
 }
 
 impl Way {
-    /// Every way; leaves at the given distances.
-    pub fn all(distances: &[f64]) -> Vec<Way> {
+    /// Every way; leaves at the given distances, and nested cascades of the given sides about the volume's middle, alone and
+    /// two-way.
+    pub fn all(distances: &[f64], sides: &[usize]) -> Vec<Way> {
         let mut ways = vec![Way::Uniform];
         ways.extend(Policy::ALL.map(Way::Levels));
         ways.push(Way::Descent(Descent::Cells));
         ways.extend(distances.iter().map(|distance| Way::Descent(Descent::Leaves { distance: *distance })));
+        let cascades = |alone| move |side: &usize| Way::Descent(Descent::Cascades { side: *side, center: None, alone });
+        ways.extend(sides.iter().map(cascades(true)));
+        ways.extend(sides.iter().map(cascades(false)));
         ways.push(Way::Solver(SOLVED_TO));
         ways
     }
@@ -48,7 +52,8 @@ impl Way {
         match self {
             Way::Uniform => "uniform".to_owned(),
             Way::Levels(policy) => policy.name().to_owned(),
-            Way::Descent(descent) => format!("descent-{}", descent.name()),
+            Way::Descent(descent) if descent.goes_down() => format!("descent-{}", descent.name()),
+            Way::Descent(descent) => descent.name(),
             Way::Solver(_) => "solver".to_owned(),
         }
     }
@@ -58,11 +63,21 @@ impl Way {
         let (coarsest, levels, descent) = match self {
             Way::Uniform | Way::Solver(_) => (problem.size, Policy::Same, Descent::Off),
             Way::Levels(policy) => (problem.coarsest, policy, Descent::Off),
-            Way::Descent(descent) => (problem.coarsest, Policy::Same, descent),
+            Way::Descent(descent) => (problem.coarsest, Policy::Same, about(descent, problem.propagation.descent)),
         };
         let propagation =
             Propagation { iterations, levels, descent, snapshots: Snapshots::Thesis, ..problem.propagation.clone() };
         Problem { coarsest, propagation, ..problem.clone() }
+    }
+}
+
+/// The same descent, with cascades about the point that a preset has them about.
+fn about(descent: Descent, preset: Descent) -> Descent {
+    match (descent, preset) {
+        (Descent::Cascades { side, center: None, alone }, Descent::Cascades { center, .. }) => {
+            Descent::Cascades { side, center, alone }
+        }
+        _ => descent,
     }
 }
 

@@ -97,7 +97,7 @@ pub(super) fn bytes(problem: &Problem, sizes: Levels, channels: usize, number: u
 }
 
 /// Every face is linear but for its clamp.
-fn laws(propagation: &Propagation) -> Vec<Law> {
+pub(super) fn laws(propagation: &Propagation) -> Vec<Law> {
     let mut laws = vec![Law::Symmetry, Law::Reach, Law::Shutters, Law::Precision];
     if Solver::new(propagation, 1).is_ok() {
         laws.push(Law::FixedPoint);

@@ -29,6 +29,9 @@ pub enum Refusal {
     /// A factor that is too large for a descent.
     #[error(transparent)]
     Grows(#[from] Grows),
+    /// Nested cascades that do not fit into the volume.
+    #[error("{0}")]
+    Cascades(String),
     /// A setting that a descent, or exact levels, cannot be derived for.
     #[error("{what} cannot have {setting}; {remedy}")]
     Underived {

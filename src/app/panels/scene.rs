@@ -52,7 +52,9 @@ pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
 
 fn edit(ui: &mut Ui, preset: &mut Preset, around: Surroundings, asks: &mut Asks) {
     ui.spacing_mut().slider_width = 110.0;
-    section(ui, "Propagation", |ui| propagation::ui(ui, &mut preset.propagation, around.exceeded));
+    section(ui, "Propagation", |ui| {
+        propagation::ui(ui, &mut preset.propagation, [preset.size, preset.coarsest], around.exceeded);
+    });
     let injectors = format!("Injectors ({})", preset.injectors.len());
     section(ui, &injectors, |ui| injectors::ui(ui, preset, around, asks));
     let occluders = format!("Occluders ({})", preset.occluders.len());
@@ -87,4 +89,5 @@ fn volume(ui: &mut Ui, preset: &mut Preset) {
     let coarsest: Vec<usize> = sizes.iter().copied().filter(|side| *side <= preset.size).collect();
     let hint = "The side of the last level; the thesis's GPU version stopped at 2³";
     choice(ui, "Coarsest level", hint, &mut preset.coarsest, &coarsest, |n| format!("{n}³"));
+    preset.propagation.descent = preset.propagation.descent.fitted(preset.size, preset.coarsest);
 }

@@ -2,12 +2,17 @@
 
 use glam::DVec3;
 
-use super::partition::Tiling;
+use super::channel::Sorter;
+use super::nest::Nest;
+use super::partition::{self, Tiling};
 use super::{Descent, Grids};
-use crate::field::{Cell, Grid, Levels, Octree};
+use crate::field::{Cell, Grid, Levels, Marks, Octree};
 use crate::scene::propagation::Snapshots;
 use crate::scene::propagation::descent::Inside;
 use crate::sh::{Real, Sh};
+use crate::transport::lattice::exact::decay::Decay;
+use crate::transport::lattice::exact::filter::cells;
+use crate::transport::lattice::exact::leaves::{Leaves, Way};
 use crate::transport::lattice::kernel::form::Form;
 use crate::transport::lattice::schemes::cascaded;
 use crate::transport::lattice::stencil::Stencil;
@@ -172,4 +177,58 @@ fn light_that_has_moved_already_is_a_better_start_than_the_dark() {
     assert!(error(Some(&before), 4) < error(None, 12), "{}, {}", error(Some(&before), 4), error(None, 12));
     // Both lead to the same light.
     assert!(error(Some(&before), 400) < 1e-8 && error(None, 400) < 1e-8);
+}
+
+#[test]
+fn between_nested_cascades_light_is_neither_made_nor_lost() {
+    let sizes = Levels::new(32, 1).unwrap();
+    for factor in [3.0, 3.8, 4.0] {
+        let share = Form::of(&Stencil::<f64>::new(&cascaded::scheme(), factor, false)).unwrap().share;
+        let tiling = Tiling::Cascades(Nest::new(sizes, 8, Some([11.0, 16.0, 20.5])));
+        for marks in partition::stages(sizes, tiling, &Marks::new(32)) {
+            let leaves = Leaves::<f64>::new(&share, Way::InStep, marks);
+            for i in leaves.levels() {
+                // A leaf alone is lit, all four coefficients of it: its neighbours get what it gives.
+                let inner = |cell: &Cell| cell.iter().all(|c| *c > 0 && *c + 1 < sizes.side(i));
+                for cell in cells(leaves.marks(i)).filter(inner).step_by(97) {
+                    let (mut light, mut next) = (Octree::new(sizes), Octree::new(sizes));
+                    light.level_mut(i).set(cell, Sh([1.0, 0.3, -0.2, 0.4]));
+                    leaves.apply(&light, &mut next);
+                    let energy = |octree: &Octree<f64>| -> f64 {
+                        octree.levels().iter().enumerate().map(|(i, grid)| 8f64.powi(i as i32) * grid.energy()).sum()
+                    };
+                    let gain = energy(&next) / energy(&light);
+                    assert!((gain - factor / 4.0).abs() < 1e-13, "p = {factor}, level {i}, {cell:?}: {gain}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn light_beyond_the_finest_leaves_is_handed_to_its_own_whole() {
+    let sizes = Levels::new(32, 1).unwrap();
+    let share = Form::of(&Stencil::<f64>::new(&cascaded::scheme(), 3.8, false)).unwrap().share;
+    let decay = Decay::of(&share);
+    let stages = partition::stages(sizes, Tiling::Cascades(Nest::new(sizes, 8, None)), &Marks::new(32));
+    let stages: Vec<Leaves<f64>> = stages.into_iter().map(|marks| Leaves::new(&share, Way::Ahead, marks)).collect();
+    let leaves = &stages[5];
+    let sorter = Sorter { sizes, decay: &decay, solids: None, colour: 0, stages: &stages };
+    // In the finest grid, beside it on either side of a coarse cell, and in the last grid beside the second.
+    for (cell, is_finest) in [([12, 16, 16], true), ([11, 16, 16], false), ([10, 16, 16], false), ([7, 12, 20], false)]
+    {
+        let mut q = Grid::new(32);
+        let light = Sh([1.0, 0.5, -0.25, 0.125]);
+        q.set(cell, light);
+        let mut reached = Marks::new(32);
+        reached.set(cell);
+        let found = sorter.coarser(0, &q, &reached);
+        assert_eq!(found.is_empty(), is_finest);
+        let volume = |i: usize| 8f64.powi(i as i32);
+        let sum: Sh<f64> = found.iter().map(|(i, _, light)| *light * volume(*i)).sum();
+        assert!(is_finest || (sum - light).max_norm() < 1e-14, "{cell:?}: {sum:?}");
+        for (i, at, _) in &found {
+            assert!(leaves.marks(*i).get(*at), "{cell:?}: {i}, {at:?}");
+        }
+    }
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::channel::{Channel, Sorter};
 use super::first_steps::{FirstSteps, Launch};
 use super::partition::{self, Tiling};
 use super::sample;
@@ -15,9 +16,6 @@ use crate::transport::lattice::exact::filter;
 use crate::transport::lattice::exact::leaves::{Leaves, Way};
 use crate::transport::lattice::exact::walls::Solid;
 use crate::transport::lattice::kernel::form::{Form, Share};
-
-/// What a stage holds of injected light: cells by their number, with their light.
-type Injected<T> = Vec<(usize, Sh<T>)>;
 
 /// A descent under way.
 #[derive(Clone, Debug)]
@@ -39,17 +37,6 @@ pub struct Descent<T> {
     channels: Vec<Channel<T>>,
     /// Whether grids hold nothing but injected light and means of it when they are entered first.
     clean: bool,
-}
-
-/// One channel's light.
-#[derive(Clone, Debug)]
-struct Channel<T> {
-    /// S, as it was taken up.
-    taken: Vec<(Cell, Sh<T>)>,
-    /// What of S counts, and the mean of it in coarser cells, by level and in the order of memory.
-    injected: Vec<Vec<(usize, Sh<T>)>>,
-    /// q, filtered to every level.
-    moved: Octree<T>,
 }
 
 /// One channel's grids, as a descent fills them.
@@ -125,46 +112,13 @@ impl<T: Real> Descent<T> {
         };
         let colours = if self.solids.is_some() { injected.len() } else { 1 };
         self.stages = (0..colours).map(|colour| stages.iter().map(|marks| leaves(marks, colour)).collect()).collect();
-        self.channels = heads.into_iter().enumerate().map(|(colour, head)| self.channel(colour, head)).collect();
-        (self.stage, self.clean) = (0, false);
-    }
-
-    fn channel(
-        &self,
-        colour: usize,
-        FirstSteps { taken, stays, lit, moved: first, mut reached }: FirstSteps<T>,
-    ) -> Channel<T> {
-        let mut moved = Octree::new(self.sizes);
-        let at = |grid: &Grid<T>, marks: &Marks| -> Vec<(usize, Sh<T>)> {
-            let layout = grid.layout();
-            filter::cells(marks).map(|cell| (layout.index(cell), grid.get(cell))).collect()
+        let sorted = |(colour, head): (usize, FirstSteps<T>)| {
+            let Descent { sizes, decay, .. } = self;
+            let stages = self.stages.get(colour).unwrap_or(&self.stages[0]);
+            Sorter { sizes: *sizes, decay, solids: self.solids.as_deref(), colour, stages }.sort(head)
         };
-        let mut injected = vec![at(&stays, &lit)];
-        // The octree of q serves for the means of S before q is there.
-        let mut marks = vec![lit];
-        for i in 1..self.sizes.count() {
-            let (finer, coarser) = moved.levels_mut().split_at_mut(i);
-            let from = if i == 1 { &stays } else { &finer[i - 1] };
-            for cell in filter::cells(&marks[i - 1]) {
-                coarser[0].add(cell.map(|c| c / 2), from.get(cell) * T::of(0.125));
-            }
-            marks.push(marks[i - 1].parents());
-            injected.push(at(&coarser[0], &marks[i]));
-        }
-        for (grid, marks) in moved.levels_mut().iter_mut().zip(&marks).skip(1) {
-            filter::cells(marks).for_each(|cell| grid.set(cell, Sh::ZERO));
-        }
-        *moved.level_mut(0) = first;
-        for i in 1..self.sizes.count() {
-            let (finer, coarser) = moved.levels_mut().split_at_mut(i);
-            filter::hand_over(&self.decay, 1 << i, &finer[i - 1], &reached, &mut coarser[0]);
-            if let Some(Solids { hard, .. }) = self.solids.as_deref() {
-                Solid { hard, colour }.darken(i, &mut coarser[0]);
-            }
-            reached = Marks::new(coarser[0].side());
-            reached.mark_lit(&coarser[0]);
-        }
-        Channel { taken, injected, moved }
+        self.channels = heads.into_iter().enumerate().map(sorted).collect();
+        (self.stage, self.clean) = (0, false);
     }
 
     /// Takes note that the grids hold nothing but the injected light that was taken up, and the means of it: then little
@@ -181,7 +135,7 @@ impl<T: Real> Descent<T> {
 
     /// Takes from the merged light of a channel what stays where it is, so that B is left.
     pub fn leave_moved(&self, channel: usize, merged: &mut Grid<T>) {
-        let stays = self.channels.get(channel).and_then(|channel| channel.injected.first());
+        let stays = self.channels.get(channel).map(Channel::stays);
         let mut planes = merged.planes_mut();
         for (at, light) in stays.into_iter().flatten() {
             planes.iter_mut().zip(light.0).for_each(|(plane, c)| plane[*at] += -c);
@@ -245,16 +199,14 @@ impl<T: Real> Descent<T> {
 
     /// The first iteration of this stage for a channel: starts from what the stage before has found.
     pub fn enter(&self, channel: usize, grids: &mut Grids<'_, T>) {
-        let (Some(leaves), Some(Channel { injected, moved, .. })) =
-            (self.leaves_of(channel, self.stage), self.channels.get(channel))
-        else {
+        let (Some(leaves), Some(light)) = (self.leaves_of(channel, self.stage), self.channels.get(channel)) else {
             return;
         };
         match self.stage.checked_sub(1).and_then(|before| self.leaves_of(channel, before)) {
             None => {
                 let Grids { source, target, accumulated } = grids;
                 if self.clean {
-                    for (cell, _) in &self.channels[channel].taken {
+                    for (cell, _) in &light.taken {
                         for i in 0..self.sizes.count() {
                             let at = cell.map(|c| c >> i);
                             source.level_mut(i).set(at, Sh::ZERO);
@@ -271,31 +223,39 @@ impl<T: Real> Descent<T> {
                 self.hand_down(channel, before, grids.accumulated);
             }
         }
-        self.begin(leaves, (injected, moved), grids);
+        self.begin(leaves, light, grids);
     }
 
     /// The first iteration at the finest level for a channel that starts from light that has moved already, cell by
     /// cell: what another descent left there, for other injected light.
     pub fn resume(&self, channel: usize, moved_before: &Grid<T>, grids: &mut Grids<'_, T>) {
-        let (Some(leaves), Some(Channel { injected, moved, .. })) =
-            (self.leaves_of(channel, self.stage), self.channels.get(channel))
-        else {
+        let (Some(leaves), Some(light)) = (self.leaves_of(channel, self.stage), self.channels.get(channel)) else {
             return;
         };
         let Grids { source, target, accumulated } = grids;
         [source, target].into_iter().for_each(|octree| octree.clear());
         accumulated.level_mut(0).copy_from(moved_before);
         accumulated.downsample();
-        self.begin(leaves, (injected, moved), grids);
+        for (i, cell, mean) in &light.beyond[self.level()].stays {
+            accumulated.level_mut(*i).add(*cell, *mean);
+        }
+        self.begin(leaves, light, grids);
     }
 
-    /// The first iteration of a stage, from what its leaves hold of B.
-    fn begin(&self, leaves: &Leaves<T>, (injected, moved): (&[Injected<T>], &Octree<T>), grids: &mut Grids<'_, T>) {
+    /// The first iteration of a stage, from what its leaves hold of B; coarser ones hold S already.
+    fn begin(&self, leaves: &Leaves<T>, light: &Channel<T>, grids: &mut Grids<'_, T>) {
         let j = self.level();
+        let Channel { injected, moved, beyond, .. } = light;
         // What P makes of B, and the source, less B itself is the correction.
         leaves.copy(grids.accumulated, grids.source);
+        for (i, cell, mean) in &beyond[j].stays {
+            grids.source.level_mut(*i).add(*cell, *mean * T::of(-1.0));
+        }
         leaves.apply(grids.source, grids.target);
         leaves.add_source(j, moved.level(j), grids.target.level_mut(j));
+        for (i, cell, q) in &beyond[j].moved {
+            grids.target.level_mut(*i).add(*cell, leaves.amounts_to(*i, *cell, *q));
+        }
         leaves.subtract(grids.source, grids.target);
         self.take(leaves, grids);
         let level = grids.accumulated.level_mut(j);
@@ -352,24 +312,17 @@ impl<T: Real> Descent<T> {
         let light = |i: usize, cell: Cell| self.moved_light(channel, accumulated.level(i), i, cell);
         sample::merge(leaves, inside, &light, merged);
         leaves.copy_level(0, accumulated.level(0), merged);
-        if self.level() == 0 {
-            // Leaves of the finest level hold S already.
-            return;
-        }
+        // Leaves of the finest level hold S already.
+        let finest: &[_] = if self.level() == 0 { &[] } else { &found.injected[0] };
         let mut planes = merged.planes_mut();
-        for (at, light) in &found.injected[0] {
+        for (at, light) in finest.iter().chain(&found.elsewhere) {
             planes.iter_mut().zip(light.0).for_each(|(plane, c)| plane[*at] += c);
         }
     }
 
     /// Bytes of memory that it holds beside the grids.
     pub fn bytes(&self) -> usize {
-        let channel = |channel: &Channel<T>| {
-            let injected: usize = channel.injected.iter().map(Vec::capacity).sum();
-            let taken = channel.taken.capacity() * size_of::<(Cell, Sh<T>)>();
-            channel.moved.bytes() + injected * size_of::<(usize, Sh<T>)>() + taken
-        };
         self.stages.iter().flatten().map(Leaves::bytes).sum::<usize>()
-            + self.channels.iter().map(channel).sum::<usize>()
+            + self.channels.iter().map(Channel::bytes).sum::<usize>()
     }
 }

@@ -5,10 +5,12 @@
 //! axis where it is farthest (a Chebyshev distance, 0 inside the block). From r = 2 on, leaves that touch, be it at a
 //! corner, differ by one level at most, and all light that has moved one step lies in the finest leaves of every stage.
 //!
+//! **Nested cascades** are split where the next finer grid lies, wherever the light is ([`super::nest`]).
+//!
 //! Stage j has no leaf finer than level j: what would be finer is a leaf of level j.
 
+use super::nest::Nest;
 use crate::field::{Levels, Marks, row_mask};
-use crate::scene::propagation::descent::Descent;
 
 /// What the volume is cut into.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,17 +22,8 @@ pub enum Tiling {
         /// How many times half its width a block must be away from injected light to stay whole.
         distance: f64,
     },
-}
-
-impl Tiling {
-    /// What a preset asks for; `None` if it asks for no descent.
-    pub fn of(descent: Descent) -> Option<Tiling> {
-        match descent {
-            Descent::Off => None,
-            Descent::Cells => Some(Tiling::Cells),
-            Descent::Leaves { distance } => Some(Tiling::Leaves { distance }),
-        }
-    }
+    /// The grids of nested cascades, each without what the next finer one covers.
+    Cascades(Nest),
 }
 
 /// The leaves of every stage, from the coarsest level to the finest: for each the marks of all levels, the finest
@@ -58,8 +51,10 @@ pub fn stages(sizes: Levels, tiling: Tiling, lit: &Marks) -> Vec<Vec<Marks>> {
 
 /// The blocks that are split, from level 1 on.
 fn splits(sizes: Levels, tiling: Tiling, lit: &Marks) -> Vec<Marks> {
-    let Tiling::Leaves { distance } = tiling else {
-        return (1..sizes.count()).map(|i| filled(sizes.side(i))).collect();
+    let distance = match tiling {
+        Tiling::Cells => return (1..sizes.count()).map(|i| filled(sizes.side(i))).collect(),
+        Tiling::Cascades(nest) => return (1..sizes.count()).map(|i| nest.cells(i - 1).parents()).collect(),
+        Tiling::Leaves { distance } => distance,
     };
     let (mut near, mut reach) = (lit.clone(), 0);
     let level = |i: usize| {
@@ -75,12 +70,12 @@ fn splits(sizes: Levels, tiling: Tiling, lit: &Marks) -> Vec<Marks> {
 /// All cells of a grid.
 fn filled(n: usize) -> Marks {
     let mut marks = Marks::new(n);
-    marks.words_mut().fill(row_mask(n));
+    marks.fill();
     marks
 }
 
 /// The cells of one set that are not in the other.
-fn without(marks: &Marks, others: &Marks) -> Marks {
+pub(super) fn without(marks: &Marks, others: &Marks) -> Marks {
     let mut left = marks.clone();
     left.words_mut().iter_mut().zip(others.words()).for_each(|(word, other)| *word &= !other);
     left
@@ -205,20 +200,23 @@ mod tests {
     #[test]
     fn every_stage_tiles_the_volume_once_and_leaves_that_touch_differ_by_one_level() {
         let marks = lit(16, [[3, 9, 14], [0, 0, 0]]);
-        for distance in [2.0, 2.5, 3.0] {
-            for (stage, leaves) in stages(sizes(16), Tiling::Leaves { distance }, &marks).iter().enumerate() {
+        let by_distance = [2.0, 2.5, 3.0].map(|distance| (16, Tiling::Leaves { distance }));
+        let points = [None, Some([1.0, 16.5, 32.0]), Some([10.7, 13.0, 21.0])];
+        let nested = points.map(|point| (32, Tiling::Cascades(Nest::new(sizes(32), 8, point))));
+        for (n, tiling) in by_distance.into_iter().chain(nested) {
+            for (stage, leaves) in stages(sizes(n), tiling, &marks).iter().enumerate() {
                 let level = |cell: Cell| {
                     let holding = (0..leaves.len()).filter(|i| leaves[*i].get(cell.map(|c| c >> i)));
                     let found: Vec<usize> = holding.collect();
                     assert_eq!(found.len(), 1, "{cell:?} lies in {found:?}");
                     found[0]
                 };
-                for cell in Layout::new(16).cells() {
+                for cell in Layout::new(n).cells() {
                     let here = level(cell);
                     assert!(here + stage + 1 >= leaves.len(), "finer than its stage");
                     for next in (0..27).map(|i| [i % 3, i / 3 % 3, i / 9]) {
-                        let next = [0, 1, 2].map(|k| (cell[k] + next[k]).clamp(1, 16) - 1);
-                        assert!(level(next).abs_diff(here) <= 1, "r = {distance}: {cell:?}, {next:?}");
+                        let next = [0, 1, 2].map(|k| (cell[k] + next[k]).clamp(1, n) - 1);
+                        assert!(level(next).abs_diff(here) <= 1, "{tiling:?}: {cell:?}, {next:?}");
                     }
                 }
             }

@@ -6,7 +6,7 @@ use crate::app::panels::field::{choice, number, row};
 use crate::app::panels::runs::warning;
 use crate::scene::Propagation;
 use crate::scene::propagation::Policy;
-use crate::scene::propagation::descent::{Descent, FARTHEST};
+use crate::scene::propagation::descent::{Descent, FARTHEST, LEAST_SIDE};
 use crate::scene::propagation::directions::Lattice;
 use crate::scene::propagation::directions::Rule;
 use crate::scene::propagation::directions::{MOST_DIRECTIONS, Setting};
@@ -17,9 +17,9 @@ use crate::transport;
 /// The largest factor that can be dragged to: far beyond where every scheme grows without bound.
 const LARGEST_FACTOR: f64 = 100.0;
 
-/// The fields of a propagator; those that the preset shares with no other. `exceeded` is a level that bears less
-/// than its factor.
-pub fn ui(ui: &mut Ui, propagation: &mut Propagation, exceeded: Option<Exceeded>) {
+/// The fields of a propagator; those that the preset shares with no other. `sides` are those of the finest and of the
+/// coarsest level, `exceeded` is a level that bears less than its factor.
+pub fn ui(ui: &mut Ui, propagation: &mut Propagation, sides: [usize; 2], exceeded: Option<Exceeded>) {
     let schemes: Vec<String> = transport::names().iter().map(|name| (*name).to_owned()).collect();
     let kind = transport::find(&propagation.scheme);
     let hint = kind.map_or(String::new(), |kind| format!("{}\n{}", kind.summary, kind.source));
@@ -53,7 +53,7 @@ pub fn ui(ui: &mut Ui, propagation: &mut Propagation, exceeded: Option<Exceeded>
     let hint = "How the operator follows from the level: alike on all, as in the thesis, or so that levels agree";
     choice(ui, "Levels", hint, &mut propagation.levels, &Policy::ALL, text);
     if kind.is_some_and(|kind| kind.can.levels) {
-        descent(ui, &mut propagation.descent);
+        descent(ui, &mut propagation.descent, sides);
     }
     row(ui, "Clamp", |ui| {
         ui.checkbox(&mut propagation.clamp, "")
@@ -62,19 +62,30 @@ pub fn ui(ui: &mut Ui, propagation: &mut Propagation, exceeded: Option<Exceeded>
 }
 
 /// The fields of a descent.
-fn descent(ui: &mut Ui, descent: &mut Descent) {
+fn descent(ui: &mut Ui, descent: &mut Descent, [size, coarsest]: [usize; 2]) {
     let distance = match descent {
         Descent::Leaves { distance } => *distance,
         _ => Descent::DISTANCE,
+    };
+    let (side, center) = match descent {
+        Descent::Cascades { side, center, .. } => (*side, *center),
+        _ => (Descent::SIDE, None),
     };
     let text = |descent: &Descent| match descent {
         Descent::Off => "Off".to_owned(),
         Descent::Cells => "All cells".to_owned(),
         Descent::Leaves { .. } => "Leaves".to_owned(),
+        Descent::Cascades { alone: false, .. } => "Nested cascades".to_owned(),
+        Descent::Cascades { alone: true, .. } => "Cascades, each alone".to_owned(),
     };
-    let all = [Descent::Off, Descent::Cells, Descent::Leaves { distance }];
-    let hint = "Whether the coarse levels start the fine ones, each with as many iterations; over all cells of a level, \
-                or over leaves, the larger the farther from injected light";
+    let cascades = |alone| Descent::Cascades { side, center, alone }.fitted(size, coarsest);
+    let mut all = vec![Descent::Off, Descent::Cells, Descent::Leaves { distance }];
+    if size >= LEAST_SIDE {
+        all.extend([false, true].map(cascades));
+    }
+    let hint = "Whether the coarse levels start the fine ones, each with as many iterations: over all cells of a level, \
+                over leaves, the larger the farther from injected light, or over nested grids about a point; or such \
+                grids each propagated by itself, as NVIDIA's sample does";
     choice(ui, "Descent", hint, descent, &all, text);
     if let Descent::Leaves { distance } = descent {
         let field = DragValue::new(distance).range(2.0..=FARTHEST).speed(0.02).max_decimals(2);
@@ -84,6 +95,11 @@ fn descent(ui: &mut Ui, descent: &mut Descent) {
             "How far leaves stay from injected light, in halves of their width; 2 or more",
             field,
         );
+    }
+    if let Descent::Cascades { side, .. } = descent {
+        let least = coarsest.max(LEAST_SIDE);
+        let sides: Vec<usize> = (0..).map(|i| least << i).take_while(|side| *side <= size).collect();
+        choice(ui, "Cascade side", "Cells along a side of every grid", side, &sides, |n| format!("{n}³"));
     }
 }
 

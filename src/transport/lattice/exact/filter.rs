@@ -26,6 +26,19 @@ use crate::sh::Real;
 /// Adds to `coarser`, of half the side, the filtered light of the cells of `finer` that `lit` marks. `h` is the width of
 /// a coarse cell in finest cells.
 pub fn hand_over<T: Real>(decay: &Decay, h: usize, finer: &Grid<T>, lit: &Marks, coarser: &mut Grid<T>) {
+    hand_over_among(decay, h, finer, lit, coarser, |_| true);
+}
+
+/// [`hand_over`] where only the coarse cells that `there` tells take light: what would go to others, which finer ones
+/// take the place of, stays in the parent.
+pub fn hand_over_among<T: Real>(
+    decay: &Decay,
+    h: usize,
+    finer: &Grid<T>,
+    lit: &Marks,
+    coarser: &mut Grid<T>,
+    there: impl Fn(Cell) -> bool,
+) {
     let n = coarser.side();
     let w = decay.filter(h as f64);
     let (own, beside) = (0.5 * (1.0 - w), 0.5 * w);
@@ -40,7 +53,8 @@ pub fn hand_over<T: Real>(decay: &Decay, h: usize, finer: &Grid<T>, lit: &Marks,
         for (z, weight_z) in two[2].iter().flatten() {
             for (y, weight_y) in two[1].iter().flatten() {
                 for (x, weight_x) in two[0].iter().flatten() {
-                    coarser.add([*x, *y, *z], light * T::of(weight_x * weight_y * weight_z));
+                    let to = Some([*x, *y, *z]).filter(|to| there(*to)).unwrap_or(cell.map(|c| c / 2));
+                    coarser.add(to, light * T::of(weight_x * weight_y * weight_z));
                 }
             }
         }
@@ -96,6 +110,20 @@ mod tests {
         let decay = Decay::new(0.0);
         assert!((handed_over(&decay, [3, 4, 2]).energy() * 8.0 - 1.0).abs() < 1e-15);
         assert!((handed_over(&decay, [0, 4, 2]).energy() * 8.0 - 0.75).abs() < 1e-15);
+    }
+
+    #[test]
+    fn what_would_go_to_a_finer_neighbour_stays_in_the_parent() {
+        let (mut fine, mut coarse, mut lit) = (Grid::<f64>::new(8), Grid::new(4), Marks::new(8));
+        fine.set([3, 4, 2], Sh([1.0, 0.5, -0.25, 0.125]));
+        lit.mark_lit(&fine);
+        let decay = Decay::new(1.146_309_91);
+        hand_over_among(&decay, 2, &fine, &lit, &mut coarse, |[x, ..]| x < 2);
+        let whole = handed_over(&decay, [3, 4, 2]);
+        assert!((coarse.energy() - whole.energy()).abs() < 1e-15);
+        let gained = (coarse.get([1, 2, 1]) - whole.get([1, 2, 1])).0[0];
+        let lost: f64 = whole.iter().filter(|(cell, _)| cell[0] == 2).map(|(_, light)| light.0[0]).sum();
+        assert!(lost > 0.0 && (gained - lost).abs() < 1e-15, "{gained}, {lost}");
     }
 
     #[test]

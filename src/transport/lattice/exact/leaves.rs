@@ -142,6 +142,11 @@ impl<T: Real> Leaves<T> {
         self.first..self.first + self.tiers.len()
     }
 
+    /// Whether a cell of level `i` is a leaf or lies in a coarser one.
+    pub fn is_whole(&self, i: usize, cell: Cell) -> bool {
+        (i..self.levels().end).any(|k| self.marks(k).get(cell.map(|c| c >> (k - i))))
+    }
+
     /// How many leaves there are, on all levels.
     pub fn count(&self) -> usize {
         self.tiers.iter().map(|tier| tier.count).sum()

@@ -7,7 +7,7 @@
 use multiversion::multiversion;
 
 use super::leaves::{Inner, Leaves, Run, Seam, Side, Way};
-use crate::field::{Grid, Octree};
+use crate::field::{Cell, Grid, Layout, Octree};
 use crate::sh::{Real, Sh};
 use crate::transport::lattice::face::Direction;
 use crate::transport::lattice::kernel::form::Share;
@@ -79,6 +79,20 @@ impl<T: Real> Leaves<T> {
                 Way::Ahead => seam.within.solve(source.at(at)),
             };
             to.iter_mut().zip(light.0).for_each(|(plane, c)| plane[at] += c);
+        }
+    }
+
+    /// What a source in one leaf of level `i` amounts to there, as [`Self::add_source`] has it for all.
+    pub fn amounts_to(&self, i: usize, cell: Cell, source: Sh<T>) -> Sh<T> {
+        let tier = self.tier(i);
+        let at = Layout::new(tier.marks.side()).index(cell) as u32;
+        match (tier.seams.binary_search_by_key(&at, |seam| seam.at), self.way()) {
+            (Ok(_), Way::InStep) => source,
+            (Ok(found), Way::Ahead) => tier.seams[found].within.solve(source),
+            (Err(_), _) => {
+                let ([mean, direction], Sh([c, x, y, z])) = (tier.inner.residence, source);
+                Sh([c * mean, x * direction, y * direction, z * direction])
+            }
         }
     }
 
