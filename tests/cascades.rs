@@ -49,6 +49,19 @@ fn one_grid_that_fills_the_volume_is_a_descent_over_all_cells_to_the_bit() {
 }
 
 #[test]
+fn where_the_octree_ends_before_its_coarsest_level_is_the_last_grid() {
+    for alone in [false, true] {
+        let of = |descent| {
+            let mut asked = problem(32, &lobes(), descent, 3);
+            asked.coarsest = 32;
+            run(asked).lights()[0].merged.clone().unwrap()
+        };
+        let uniform = of(if alone { Descent::Off } else { Descent::Cells });
+        assert!(of(cascades(None, alone)) == uniform, "alone: {alone}");
+    }
+}
+
+#[test]
 fn a_grid_alone_is_a_volume_of_its_own() {
     let k = 5;
     let grids = run(problem(32, &lobes(), cascades(None, true), k));

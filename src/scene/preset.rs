@@ -124,7 +124,7 @@ impl Preset {
             occluder.check(self.size).map_err(|p| p.within(Step::Item(i)).field("occluders"))?;
         }
         self.occlusion.check().map_err(|p| p.field("occlusion"))?;
-        self.propagation.check(self.size, self.coarsest).map_err(|p| p.field("propagation"))?;
+        self.propagation.check(self.size).map_err(|p| p.field("propagation"))?;
         self.scene.iter().try_for_each(|scene| scene.check(self.size)).map_err(|p| p.field("scene"))
     }
 }

@@ -112,14 +112,14 @@ impl Propagation {
         if self.descent.goes_down() { self.iterations * levels } else { self.iterations }
     }
 
-    /// Whether every value can be run in a volume of side `size`, with levels down to side `coarsest`.
-    pub(super) fn check(&self, size: usize, coarsest: usize) -> Result<(), Fault> {
+    /// Whether every value can be run in a volume of side `size`.
+    pub(super) fn check(&self, size: usize) -> Result<(), Fault> {
         not_negative(self.factor, "the factor").map_err(|p| p.field("factor"))?;
         if self.iterations > MOST_ITERATIONS {
             let what = format!("{} iterations are too many", self.iterations);
             return Err(Fault::new(what, format!("at most {MOST_ITERATIONS} are run")).field("iterations"));
         }
-        self.descent.check(size, coarsest).map_err(|p| p.within(Step::Field("descent")))?;
+        self.descent.check(size).map_err(|p| p.within(Step::Field("descent")))?;
         let directions = self.ordinates.directions;
         if !(1..=MOST_DIRECTIONS).contains(&directions) {
             let fault =

@@ -100,7 +100,7 @@ pub fn of_problem<T: Real>(problem: &Problem, sizes: Levels) -> Result<Descent<T
     let tiling = match propagation.descent {
         Asked::Off | Asked::Cells => Tiling::Cells,
         Asked::Leaves { distance } => Tiling::Leaves { distance },
-        Asked::Cascades { .. } => Tiling::Cascades(nest(problem, sizes)?),
+        Asked::Cascades { .. } => Tiling::Cascades(nest_of(problem, sizes)?),
     };
     let solids = lattice::occlusion::hard(problem, sizes).zip(schemes::find(&propagation.scheme));
     let solids = solids.map(|(hard, scheme)| {
@@ -113,9 +113,9 @@ pub fn of_problem<T: Real>(problem: &Problem, sizes: Levels) -> Result<Descent<T
 }
 
 /// The nested cascades that a problem asks for.
-fn nest(problem: &Problem, sizes: Levels) -> Result<Nest, Refusal> {
+fn nest_of(problem: &Problem, sizes: Levels) -> Result<Nest, Refusal> {
     let asked = problem.propagation.descent;
-    asked.check(sizes.finest(), sizes.coarsest()).map_err(|fault| Refusal::Cascades(fault.to_string()))?;
+    asked.check(sizes.finest()).map_err(|fault| Refusal::Cascades(fault.to_string()))?;
     match asked {
         Asked::Cascades { side, center, .. } => Ok(Nest::new(sizes, side, center)),
         _ => Ok(Nest::new(sizes, sizes.finest(), None)),

@@ -53,7 +53,7 @@ pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
 fn edit(ui: &mut Ui, preset: &mut Preset, around: Surroundings, asks: &mut Asks) {
     ui.spacing_mut().slider_width = 110.0;
     section(ui, "Propagation", |ui| {
-        propagation::ui(ui, &mut preset.propagation, [preset.size, preset.coarsest], around.exceeded);
+        propagation::ui(ui, &mut preset.propagation, preset.size, around.exceeded);
     });
     let injectors = format!("Injectors ({})", preset.injectors.len());
     section(ui, &injectors, |ui| injectors::ui(ui, preset, around, asks));
@@ -89,5 +89,5 @@ fn volume(ui: &mut Ui, preset: &mut Preset) {
     let coarsest: Vec<usize> = sizes.iter().copied().filter(|side| *side <= preset.size).collect();
     let hint = "The side of the last level; the thesis's GPU version stopped at 2³";
     choice(ui, "Coarsest level", hint, &mut preset.coarsest, &coarsest, |n| format!("{n}³"));
-    preset.propagation.descent = preset.propagation.descent.fitted(preset.size, preset.coarsest);
+    preset.propagation.descent = preset.propagation.descent.fitted(preset.size);
 }

@@ -24,7 +24,7 @@ pub enum Descent {
         distance: f64,
     },
     /// Over nested cascades: grids of as many cells each, about a point, the cells of each twice as wide as those of the
-    /// one before; the last fills the volume.
+    /// one before. The last fills the volume; the octree's coarsest level, if the octree ends before.
     Cascades {
         /// Cells along a side of every grid, c: a power of two from [`LEAST_SIDE`] to the volume's side.
         side: usize,
@@ -76,30 +76,25 @@ impl Descent {
         !matches!(self, Descent::Off | Descent::Cascades { alone: true, .. })
     }
 
-    /// The same over other levels, from side `size` down to side `coarsest`: cascades change their side, or give way where
-    /// the volume is too small for any.
-    pub fn fitted(self, size: usize, coarsest: usize) -> Self {
+    /// The same in a volume of side `size`: cascades change their side, or give way where it is too small for any.
+    pub fn fitted(self, size: usize) -> Self {
         match self {
             Descent::Cascades { .. } if size < LEAST_SIDE => Descent::Off,
             Descent::Cascades { side, center, alone } => {
                 let center = center.map(|center| center.map(|c| c.clamp(0.0, size as f64)));
-                Descent::Cascades { side: side.max(coarsest).clamp(LEAST_SIDE, size), center, alone }
+                Descent::Cascades { side: side.clamp(LEAST_SIDE, size), center, alone }
             }
             other => other,
         }
     }
 
-    /// Whether it can go over levels from side `size` down to side `coarsest`.
-    pub(crate) fn check(self, size: usize, coarsest: usize) -> Result<(), Fault> {
+    /// Whether it fits into a volume of side `size`.
+    pub(crate) fn check(self, size: usize) -> Result<(), Fault> {
         match self {
             Descent::Cascades { side, .. } if !side.is_power_of_two() || !(LEAST_SIDE..=size).contains(&side) => {
                 let what = format!("cascades cannot have side {side} in a volume of side {size}");
                 let remedy = format!("a power of two from {LEAST_SIDE} to the volume's side");
                 Err(Fault::new(what, remedy).field("side"))
-            }
-            Descent::Cascades { side, .. } if side < coarsest => {
-                let what = format!("cascades of side {side} need more levels than down to side {coarsest}");
-                Err(Fault::new(what, format!("`coarsest` of at most {side}, or a larger side")).field("side"))
             }
             Descent::Cascades { center: Some(center), .. }
                 if !center.iter().all(|c| (0.0..=size as f64).contains(c)) =>

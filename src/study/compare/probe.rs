@@ -1,5 +1,6 @@
 //! What a scheme does to an even point light in a free volume.
 
+use crate::scene::propagation::descent::Descent;
 use crate::scene::{Occlusion, Problem, Propagation, Source};
 use crate::sh::Sh;
 use crate::simulation::{Refusal, Simulation};
@@ -23,7 +24,7 @@ pub(super) fn anisotropy(propagation: &Propagation) -> Result<f64, Refusal> {
         }],
         solids: Vec::new(),
         occlusion: Occlusion::default(),
-        propagation: Propagation { iterations: ITERATIONS, ..propagation.clone() },
+        propagation: Propagation { iterations: ITERATIONS, descent: Descent::Off, ..propagation.clone() },
         ..Problem::default()
     };
     let mut simulation = Simulation::<f32>::new(problem)?;

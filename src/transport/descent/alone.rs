@@ -38,7 +38,7 @@ impl<T: Real> Alone<T> {
     /// For the cascades of a problem.
     pub fn new(setup: &Setup) -> Result<Self, Refusal> {
         let Setup { problem, sizes, .. } = setup;
-        let nest = super::nest(problem, *sizes)?;
+        let nest = super::nest_of(problem, *sizes)?;
         let levels = 0..sizes.count();
         let grids = levels.map(|i| if i < nest.count() { nest.cells(i) } else { Marks::new(sizes.side(i)) });
         let propagation = Propagation { descent: Descent::Off, levels: Policy::Same, ..problem.propagation.clone() };

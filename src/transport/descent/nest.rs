@@ -1,7 +1,8 @@
 //! Where nested cascades lie: m grids of c³ cells about a point, cells twice as wide from each to the next.
 //!
 //! NVIDIA's sample for Direct3D 11 lays them about the camera, so that a volume of n = c·2^(m−1) finest cells costs
-//! m·c³ cells and not n³. Grid i has cells of level i; the last one fills the volume. A grid lies in whole cells of
+//! m·c³ cells and not n³. Grid i has cells of level i; the last one fills the volume, with as many cells as that takes
+//! where the octree has no coarser level. A grid lies in whole cells of
 //! the next coarser one, which is why it moves by two of its own cells at a time when its point moves, and inside the
 //! volume: where the point is near to the volume's border, or beyond it, it is not in the middle of its grids.
 
@@ -24,7 +25,7 @@ impl Nest {
 
     /// How many grids there are, m.
     pub fn count(&self) -> usize {
-        (self.sizes.finest() / self.side).max(1).ilog2() as usize + 1
+        ((self.sizes.finest() / self.side).max(1).ilog2() as usize + 1).min(self.sizes.count())
     }
 
     /// Cells along a side of a grid, c.
@@ -32,7 +33,7 @@ impl Nest {
         self.side
     }
 
-    /// The cell of level `i` in which grid `i` begins. Levels coarser than the last grid lie in it.
+    /// The cell of level `i` in which grid `i` begins, if it is not the last.
     pub fn corner(&self, i: usize) -> Cell {
         let room = (self.sizes.finest() >> i).saturating_sub(self.side);
         self.center.map(|center| {
@@ -74,6 +75,9 @@ mod tests {
         assert_eq!(about_the_middle.count(), 3);
         assert_eq!([0, 1, 2].map(|i| about_the_middle.corner(i)), [[24; 3], [8; 3], [0; 3]]);
         assert_eq!([0, 1, 2, 3].map(|i| about_the_middle.cells(i).count()), [4096, 4096, 4096, 512]);
+        // No level has cells that are four times as wide.
+        let short = Nest::new(Levels::new(64, 32).unwrap(), 16, None);
+        assert_eq!((short.count(), [0, 1].map(|i| short.cells(i).count())), (2, [4096, 32 * 32 * 32]));
     }
 
     #[test]

@@ -17,9 +17,8 @@ use crate::transport;
 /// The largest factor that can be dragged to: far beyond where every scheme grows without bound.
 const LARGEST_FACTOR: f64 = 100.0;
 
-/// The fields of a propagator; those that the preset shares with no other. `sides` are those of the finest and of the
-/// coarsest level, `exceeded` is a level that bears less than its factor.
-pub fn ui(ui: &mut Ui, propagation: &mut Propagation, sides: [usize; 2], exceeded: Option<Exceeded>) {
+/// The fields of a propagator; those that the preset shares with no other. `size` is the volume's side, `exceeded` is a level that bears less than its factor.
+pub fn ui(ui: &mut Ui, propagation: &mut Propagation, size: usize, exceeded: Option<Exceeded>) {
     let schemes: Vec<String> = transport::names().iter().map(|name| (*name).to_owned()).collect();
     let kind = transport::find(&propagation.scheme);
     let hint = kind.map_or(String::new(), |kind| format!("{}\n{}", kind.summary, kind.source));
@@ -53,7 +52,7 @@ pub fn ui(ui: &mut Ui, propagation: &mut Propagation, sides: [usize; 2], exceede
     let hint = "How the operator follows from the level: alike on all, as in the thesis, or so that levels agree";
     choice(ui, "Levels", hint, &mut propagation.levels, &Policy::ALL, text);
     if kind.is_some_and(|kind| kind.can.levels) {
-        descent(ui, &mut propagation.descent, sides);
+        descent(ui, &mut propagation.descent, size);
     }
     row(ui, "Clamp", |ui| {
         ui.checkbox(&mut propagation.clamp, "")
@@ -62,7 +61,7 @@ pub fn ui(ui: &mut Ui, propagation: &mut Propagation, sides: [usize; 2], exceede
 }
 
 /// The fields of a descent.
-fn descent(ui: &mut Ui, descent: &mut Descent, [size, coarsest]: [usize; 2]) {
+fn descent(ui: &mut Ui, descent: &mut Descent, size: usize) {
     let distance = match descent {
         Descent::Leaves { distance } => *distance,
         _ => Descent::DISTANCE,
@@ -78,7 +77,7 @@ fn descent(ui: &mut Ui, descent: &mut Descent, [size, coarsest]: [usize; 2]) {
         Descent::Cascades { alone: false, .. } => "Nested cascades".to_owned(),
         Descent::Cascades { alone: true, .. } => "Cascades, each alone".to_owned(),
     };
-    let cascades = |alone| Descent::Cascades { side, center, alone }.fitted(size, coarsest);
+    let cascades = |alone| Descent::Cascades { side, center, alone }.fitted(size);
     let mut all = vec![Descent::Off, Descent::Cells, Descent::Leaves { distance }];
     if size >= LEAST_SIDE {
         all.extend([false, true].map(cascades));
@@ -97,8 +96,7 @@ fn descent(ui: &mut Ui, descent: &mut Descent, [size, coarsest]: [usize; 2]) {
         );
     }
     if let Descent::Cascades { side, .. } = descent {
-        let least = coarsest.max(LEAST_SIDE);
-        let sides: Vec<usize> = (0..).map(|i| least << i).take_while(|side| *side <= size).collect();
+        let sides: Vec<usize> = (0..).map(|i| LEAST_SIDE << i).take_while(|side| *side <= size).collect();
         choice(ui, "Cascade side", "Cells along a side of every grid", side, &sides, |n| format!("{n}³"));
     }
 }
