@@ -9,6 +9,7 @@ pub mod console;
 mod course;
 mod identify;
 mod load;
+mod mesh_scene;
 mod motion;
 mod numbers;
 mod octree;

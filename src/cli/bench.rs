@@ -60,12 +60,15 @@ pub struct BenchArgs {
     #[arg(long)]
     only_card: bool,
     /// Only measure time against error
-    #[arg(long, conflicts_with = "only_converged")]
+    #[arg(long, conflicts_with_all = ["only_converged", "only_scene"])]
     only_pareto: bool,
     /// Only iterate to the fixed point and solve for it
-    #[arg(long)]
+    #[arg(long, conflicts_with = "only_scene")]
     only_converged: bool,
-    /// The folder for kernels.csv, converged.csv, pareto.csv and the plots
+    /// Only measure what a scene with a mesh takes: solids, shadow maps, a lamp that moves
+    #[arg(long)]
+    only_scene: bool,
+    /// The folder for kernels.csv, scenes.csv, converged.csv, pareto.csv and the plots
     #[arg(long, value_name = "DIR", default_value = "lpv-lab-results/bench")]
     out: PathBuf,
 }
@@ -93,7 +96,7 @@ impl From<BenchmarkError> for CliError {
 impl BenchArgs {
     /// Whether nothing was asked for by itself.
     pub fn measures_all(&self) -> bool {
-        !self.only_pareto && !self.only_converged
+        !self.only_pareto && !self.only_converged && !self.only_scene
     }
 }
 
@@ -113,11 +116,14 @@ pub fn run(args: &BenchArgs) -> Result<(), CliError> {
     if args.measures_all() {
         kernels(args, &folder)?;
     }
+    if args.only_scene || args.measures_all() {
+        team::inside(|| super::mesh_scene::run(rounds, &folder))?;
+    }
     let sizes = without_none(&args.converged);
-    if !args.only_pareto && !sizes.is_empty() {
+    if !args.only_pareto && !args.only_scene && !sizes.is_empty() {
         team::inside(|| super::race::run(sizes, rounds, &folder))?;
     }
-    let scenes = if args.only_converged { Vec::new() } else { scenes(args)? };
+    let scenes = if args.only_converged || args.only_scene { Vec::new() } else { scenes(args)? };
     if !scenes.is_empty() {
         team::inside(|| super::pareto::run(&scenes, rounds, &folder))?;
     }

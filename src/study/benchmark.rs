@@ -9,6 +9,7 @@ pub mod aos;
 pub mod card;
 mod dense;
 mod fading;
+pub mod mesh_scene;
 mod pipeline;
 mod skipping;
 mod triad;
@@ -40,6 +41,9 @@ pub enum BenchmarkError {
     /// A setting that cannot be run.
     #[error(transparent)]
     Simulation(#[from] Refusal),
+    /// What belongs to built-in presets has no place.
+    #[error("{0}")]
+    Folder(String),
     /// No threads to run on.
     #[error("cannot start {threads} threads: {why}")]
     Threads {

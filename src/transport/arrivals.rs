@@ -35,14 +35,14 @@ impl Arrivals {
         Arrivals { n, places: vec![NONE; n.pow(3)], flux: Vec::new() }
     }
 
-    /// Sets the flux [W] that arrived in a cell with a solid along +x, −x, +y, −y, +z and −z.
+    /// Sets the flux in W that arrived in a cell with a solid along +x, −x, +y, −y, +z and −z.
     pub fn set(&mut self, cell: Cell, flux: [f32; 6]) {
         let place = self.place(cell);
         self.places[place] = self.flux.len() as u32;
         self.flux.push(flux);
     }
 
-    /// E(n)·s² [W] of a surface with unit normal `normal` in a cell; `None` where no solid is.
+    /// E(n)·s² in W of a surface with unit normal `normal` in a cell; `None` where no solid is.
     pub fn on(&self, cell: Cell, normal: DVec3) -> Option<f64> {
         let flux = self.flux.get(self.places[self.place(cell)] as usize)?;
         let facing = |way: &DVec3| way.dot(normal).min(0.0).powi(2);

@@ -177,18 +177,25 @@ impl<T: Real> Hard<T> {
         [passes(cell), reflected(0), reflected(1), reflected(2)]
     }
 
-    /// Whether the cell or a neighbour holds light up.
+    /// Whether the cell holds light up, or a neighbour that may send some back.
     fn touches(&self, level: usize, cell: Cell, n: usize) -> bool {
         let is_open = |cell| (0..3).all(|axis| self.hard_solids.passes(level, cell, axis) == T::of(1.0));
-        !is_open(cell) || Direction::ALL.iter().any(|d| d.neighbour(cell, n).is_some_and(|next| !is_open(next)))
+        let sends_back = |d: &Direction| d.neighbour(cell, n).is_some_and(|next| !is_open(next));
+        !is_open(cell) || (self.bounce > T::ZERO && Direction::ALL.iter().any(sends_back))
     }
 
     /// Besides what `cell` receives in direction `d`, what the neighbour in that direction sends back to it.
     fn receive(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, cell: Cell, d: usize) -> Sh<T> {
         let direction = Direction::ALL[d];
         let passes = |cell| self.hard_solids.passes(which.level, cell, direction.axis());
+        if passes(cell) == T::ZERO {
+            return Sh::ZERO;
+        }
         let mut received = stencil.send(d, sender(source, cell, direction));
-        if let Some(next) = direction.neighbour(cell, source.side()) {
+        // Most scenes reflect nothing, and then nobody asks for albedos.
+        if self.bounce > T::ZERO
+            && let Some(next) = direction.neighbour(cell, source.side())
+        {
             let albedo = self.geometry.albedo(which.level, next, which.colour);
             let reflected = (T::of(1.0) - passes(next)) * albedo * self.bounce;
             if reflected > T::ZERO {
