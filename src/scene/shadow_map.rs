@@ -104,17 +104,20 @@ impl ShadowMap {
     ) -> Self {
         let power = light.power();
         let edge = |i: usize| reach * (2.0 * i as f64 / side as f64 - 1.0);
-        // By row and face, the texels and the solid angle of each, weighted by what the light sends there.
-        let row = |face: &Frame, j: usize| -> Vec<(f64, Option<Texel>)> {
-            let texel = |i: usize| {
+        // Texels share their corners, and faces all of them.
+        let corners: Vec<Vec<f64>> =
+            (0..=side).map(|j| (0..=side).map(|i| corner(edge(i), edge(j))).collect()).collect();
+        let row = |face: &Frame, j: usize, texels: &mut [Option<Texel>]| -> Vec<f64> {
+            let mut texel = |i: usize| {
                 let (x, y) = ([edge(i), edge(i + 1)], [edge(j), edge(j + 1)]);
-                let weight = solid_angle(x, y) * mean_share(light, x, y);
+                let weight = between([&corners[j][i..=i + 1], &corners[j + 1][i..=i + 1]]) * mean_share(light, x, y);
                 let (u, v) = ((x[0] + x[1]) / 2.0, (y[0] + y[1]) / 2.0);
                 let d = (face.ahead + face.across * u + face.down * v).normalize();
                 let hit = (weight > 0.0).then(|| bvh.closest(position, d, f64::INFINITY)).flatten();
-                (weight, hit.map(|hit| Texel::new(&hit, mesh, power.map(|p| p * weight))))
+                texels[i] = hit.map(|hit| Texel::new(&hit, mesh, power.map(|p| p * weight)));
+                weight
             };
-            (0..side).map(texel).collect()
+            (0..side).map(&mut texel).collect()
         };
         Self::gather(frames, side, power, row)
     }
@@ -133,35 +136,36 @@ impl ShadowMap {
         let start = all.map(|corner| corner.dot(ahead)).fold(f64::INFINITY, f64::min) - 16.0 * bvh.resolution();
         let (w, h) = ((x1 - x0) / side as f64, (y1 - y0) / side as f64);
         let (power, area) = (light.power(), w * h);
-        let row = |_: &Frame, j: usize| -> Vec<(f64, Option<Texel>)> {
-            let texel = |i: usize| {
+        let row = |_: &Frame, j: usize, texels: &mut [Option<Texel>]| -> Vec<f64> {
+            for (i, texel) in texels.iter_mut().enumerate() {
                 let (x, y) = (x0 + (i as f64 + 0.5) * w, y0 + (j as f64 + 0.5) * h);
                 let hit = bvh.closest(ahead * start + across * x + down * y, ahead, f64::INFINITY);
-                (area, hit.map(|hit| Texel::new(&hit, mesh, power.map(|p| p * area))))
-            };
-            (0..side).map(texel).collect()
+                *texel = hit.map(|hit| Texel::new(&hit, mesh, power.map(|p| p * area)));
+            }
+            vec![area; side]
         };
         Self::gather(&[Frame { ahead, across, down }], side, power, row)
     }
 
-    /// Makes all rows, in parallel, and sums them in order.
+    /// Makes all rows, in parallel, and sums them in order. `row` fills one with its texels and returns how each of them
+    /// counts.
     fn gather(
         frames: &[Frame],
         side: usize,
         power: [f64; 3],
-        row: impl Fn(&Frame, usize) -> Vec<(f64, Option<Texel>)> + Sync,
+        row: impl Fn(&Frame, usize, &mut [Option<Texel>]) -> Vec<f64> + Sync,
     ) -> Self {
-        let rows: Vec<Vec<(f64, Option<Texel>)>> =
-            (0..frames.len() * side).into_par_iter().map(|i| row(&frames[i / side], i % side)).collect();
         let (mut given, mut met) = (0.0, 0.0);
         let mut faces: Vec<Face> = Vec::with_capacity(frames.len());
-        for rows in rows.chunks(side) {
-            let all = rows.iter().flatten();
-            for (weight, texel) in all.clone() {
+        for frame in frames {
+            let mut texels = vec![None; side * side];
+            let rows = texels.par_chunks_mut(side).enumerate().map(|(j, texels)| row(frame, j, texels));
+            let weights: Vec<Vec<f64>> = rows.collect();
+            for (weight, texel) in weights.iter().flatten().zip(&texels) {
                 given += weight;
                 met += if texel.is_some() { *weight } else { 0.0 };
             }
-            faces.push(Face { side, texels: all.map(|(_, texel)| *texel).collect() });
+            faces.push(Face { side, texels });
         }
         ShadowMap { faces, given: power.map(|p| p * given), met: power.map(|p| p * met) }
     }
@@ -187,8 +191,18 @@ impl Texel {
 
 /// The exact solid angle of a rectangle on the plane at distance 1, in sr.
 pub fn solid_angle(x: [f64; 2], y: [f64; 2]) -> f64 {
-    let g = |x: f64, y: f64| (x * y / (1.0 + x * x + y * y).sqrt()).atan();
-    g(x[1], y[1]) - g(x[0], y[1]) - g(x[1], y[0]) + g(x[0], y[0])
+    between(y.map(|y| x.map(|x| corner(x, y))))
+}
+
+/// The part of a rectangle's solid angle that comes from its corner at (x, y).
+fn corner(x: f64, y: f64) -> f64 {
+    (x * y / (1.0 + x * x + y * y).sqrt()).atan()
+}
+
+/// The solid angle between the parts of its corners, those of lower y first, of lower x first.
+fn between<R: AsRef<[f64]>>([low, high]: [R; 2]) -> f64 {
+    let (low, high) = (low.as_ref(), high.as_ref());
+    high[1] - high[0] - low[1] + low[0]
 }
 
 /// The mean share of its intensity that a light sends into a texel on the plane at distance 1: where it is not the
