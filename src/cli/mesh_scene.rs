@@ -10,7 +10,12 @@ use crate::study::benchmark::mesh_scene;
 pub fn run(rounds: usize, folder: &Folder) -> Result<(), CliError> {
     let mut table = Table::new(["scene", "work", "threads", "ms"]);
     for row in mesh_scene::measure(rounds)? {
-        table.push([row.scene.as_str().into(), row.work.into(), row.threads.into(), (1e3 * row.seconds).into()]);
+        table.push([
+            row.scene.as_str().into(),
+            row.work.as_str().into(),
+            row.threads.into(),
+            (1e3 * row.seconds).into(),
+        ]);
     }
     say!("\nA scene with a mesh:");
     console::print(format_args!("{}", table.to_text()));

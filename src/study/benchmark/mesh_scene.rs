@@ -17,14 +17,12 @@ use crate::scene::voxels::Voxels;
 use crate::scene::{MOST_CELLS, Preset, Problem, Stage, builtin};
 use crate::simulation::Simulation;
 use crate::simulation::options::Wanted;
-use crate::transport::preset;
+use crate::transport::{kinds, preset};
 
 /// Texels along a side of a face of the atrium's map.
 const TEXELS: usize = 256;
 /// Iterations of the lattice.
 const ITERATIONS: usize = 4;
-/// Directions of the ordinates.
-const DIRECTIONS: usize = 128;
 /// Pixels across and down of the picture, and places in each.
 const PIXELS: ([usize; 2], u64) = ([256, 256], 4);
 /// How far the lamp goes from round to round, in metres.
@@ -36,7 +34,7 @@ pub struct MeshSceneRow {
     /// The preset, with its size.
     pub scene: String,
     /// What is done.
-    pub work: &'static str,
+    pub work: String,
     /// On how many threads.
     pub threads: usize,
     /// The median of the rounds.
@@ -62,19 +60,18 @@ pub fn measure(rounds: usize) -> Result<Vec<MeshSceneRow>, BenchmarkError> {
         threads,
         seconds,
     };
-    let mut rows = vec![row(&atrium, "solids", 1, solids), row(&atrium, "six shadow maps of 256²", threads, maps)];
+    let mut rows = vec![
+        row(&atrium, "solids".to_owned(), 1, solids),
+        row(&atrium, "six shadow maps of 256²".to_owned(), threads, maps),
+    ];
     let mut cornell = Scene::new("cornell")?;
     cornell.preset.propagation.iterations = ITERATIONS;
-    for (scheme, to_light, to_picture) in [
-        (
-            "cascaded",
-            "lamp moved, to merged light, cascaded, k = 4",
-            "lamp moved, to a picture of 256², cascaded, k = 4",
-        ),
-        ("ordinates", "lamp moved, to merged light, 128 ordinates", "lamp moved, to a picture of 256², 128 ordinates"),
-    ] {
-        cornell.preset.propagation.scheme = scheme.to_owned();
-        cornell.preset.propagation.ordinates.directions = DIRECTIONS;
+    // One that sends light from cell to cell, and one that keeps its direction.
+    let kinds = [true, false].map(|levels| kinds().iter().find(|kind| kind.can.levels == levels));
+    for kind in kinds.into_iter().flatten() {
+        cornell.preset.propagation.scheme = kind.name.to_owned();
+        let way = (kind.label)(&cornell.preset.propagation);
+        let way = if kind.can.levels { format!("{way}, k = {ITERATIONS}") } else { format!("{way}, all light") };
         let mut times = [Vec::new(), Vec::new()];
         for round in 0..=rounds {
             let started = Instant::now();
@@ -89,8 +86,8 @@ pub fn measure(rounds: usize) -> Result<Vec<MeshSceneRow>, BenchmarkError> {
             }
         }
         let [light, drawn] = &mut times;
-        rows.push(row(&cornell, to_light, threads, median(light)));
-        rows.push(row(&cornell, to_picture, threads, median(drawn)));
+        rows.push(row(&cornell, format!("lamp moved, to merged light, {way}"), threads, median(light)));
+        rows.push(row(&cornell, format!("lamp moved, to a picture of 256², {way}"), threads, median(drawn)));
     }
     Ok(rows)
 }
