@@ -6,8 +6,10 @@ mod grid;
 mod index_volume;
 pub mod memory;
 mod octree;
+mod slabs;
 
 pub use channels::{Channels, Share};
 pub use grid::{Cell, Grid, Layout};
 pub use index_volume::{IndexVolume, Marks, row_mask};
 pub use octree::{Levels, Octree, downsample_into, mean_of_children};
+pub use slabs::Slabs;

@@ -112,6 +112,8 @@ pub struct Simulation<T> {
     transport: Box<dyn Transport<T>>,
     work: Work,
     divergence: Option<Divergence>,
+    /// Whether the state is as dark as a new one.
+    untouched: bool,
 }
 
 impl<T: Real> Clone for Simulation<T> {
@@ -164,7 +166,16 @@ impl<T: Precision> Simulation<T> {
         let mut transport = make(&setup)?;
         let mut state = State::new(sizes, channels);
         transport.start(&mut state);
-        Ok(Simulation { problem, kind, options, state, transport, work: Work::default(), divergence: None })
+        Ok(Simulation {
+            problem,
+            kind,
+            options,
+            state,
+            transport,
+            work: Work::default(),
+            divergence: None,
+            untouched: true,
+        })
     }
 
     /// Bytes that a simulation of `problem` will take once it runs and is merged, occluders and all.
@@ -264,11 +275,15 @@ impl<T: Real> Simulation<T> {
     pub fn act(&mut self, action: Action) -> Change {
         let lit_before = self.state.lit_cells();
         self.divergence = None;
+        let was_untouched = std::mem::replace(&mut self.untouched, action == Action::Clear);
         let Simulation { state, transport, problem, .. } = self;
         let (mut source, mut target, mut accumulated, mut merged) = (true, false, true, false);
         match action {
             Action::Clear => {
-                state.clear();
+                // New memory is dark, and costs nothing before it is touched.
+                if !was_untouched {
+                    state.clear();
+                }
                 transport.start(state);
                 self.work = Work::default();
                 (target, merged) = (true, true);
@@ -336,6 +351,7 @@ impl<T: Real> Simulation<T> {
         for action in [Action::Clear, Action::Inject, Action::Downsample] {
             self.act(action);
         }
+        self.untouched = false;
         let mut settled = self.transport.settle(&mut self.state);
         let c00 = |of: fn(&Light<T>) -> &Octree<T>, all: &Self| {
             all.lights().iter().map(|light| of(light).level(0).energy().abs()).sum::<f64>()
@@ -354,6 +370,7 @@ impl<T: Real> Simulation<T> {
     /// So many iterations with nobody looking in between; fewer if the tolerance is met or the light
     /// diverges. After [`Wanted::Merged`] only merging makes sense.
     pub fn advance(&mut self, iterations: usize, wanted: Wanted) {
+        self.untouched = false;
         self.divergence = self.transport.advance(&mut self.state, iterations, wanted, &mut self.work).err();
     }
 

@@ -113,7 +113,8 @@ impl<T: Real> Grid<T> {
     /// The SH vector at a place in the planes, as [`Layout::index`] gives it.
     #[inline]
     pub fn at(&self, i: usize) -> Sh<T> {
-        Sh(self.planes.each_ref().map(|plane| plane[i]))
+        let [c, x, y, z] = &self.planes;
+        Sh([c[i], x[i], y[i], z[i]])
     }
 
     /// The row (y, z) of each plane.
@@ -134,9 +135,8 @@ impl<T: Real> Grid<T> {
     #[inline]
     pub fn set(&mut self, cell: Cell, value: Sh<T>) {
         let i = self.layout.index(cell);
-        for (plane, c) in self.planes.iter_mut().zip(value.0) {
-            plane[i] = c;
-        }
+        let [c, x, y, z] = &mut self.planes;
+        [c[i], x[i], y[i], z[i]] = value.0;
     }
 
     /// Adds to a cell.

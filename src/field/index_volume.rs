@@ -4,11 +4,13 @@
 //! says it all. The index of a finest cell is the least over the levels, and the merged light there
 //! is S(x, y, z) = O_I(x / 2^I, …).
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::grid::{Cell, Grid};
 use super::octree::{Levels, Octree};
-use crate::sh::Real;
+use crate::sh::{Real, Sh};
 
 /// Cells that are looked at together for whether any is lit.
 const RUN: usize = 16;
@@ -107,6 +109,31 @@ impl Marks {
             }
         }
         parents
+    }
+
+    /// The marked cells, x fastest.
+    pub fn cells(&self) -> impl Iterator<Item = Cell> + '_ {
+        self.cells_of(0..self.n)
+    }
+
+    /// The marked cells in slabs of these z, x fastest.
+    pub fn cells_of(&self, slabs: Range<usize>) -> impl Iterator<Item = Cell> + '_ {
+        let (n, per_row) = (self.n, self.words_per_row);
+        let words = n * per_row * slabs.start..n * per_row * slabs.end;
+        words.clone().zip(&self.words[words]).flat_map(move |(i, word)| {
+            let (row, first) = (i / per_row, 64 * (i % per_row));
+            let mut left = *word;
+            std::iter::from_fn(move || {
+                let bit = (left != 0).then(|| left.trailing_zeros() as usize)?;
+                left &= left - 1;
+                Some([first + bit, row % n, row / n])
+            })
+        })
+    }
+
+    /// The marked cells with their light in `grid`, which is of the same side, x fastest.
+    pub fn light_in<'a, T: Real>(&'a self, grid: &'a Grid<T>) -> impl Iterator<Item = (Cell, Sh<T>)> + 'a {
+        self.cells().map(|cell| (cell, grid.get(cell)))
     }
 
     /// How many cells are marked.
@@ -215,6 +242,16 @@ impl IndexVolume {
 mod tests {
     use super::*;
     use crate::sh::Sh;
+
+    #[test]
+    fn marked_cells_come_in_order() {
+        let mut marks = Marks::new(128);
+        for cell in [[127, 0, 0], [3, 1, 0], [64, 1, 0], [0, 0, 5]] {
+            marks.set(cell);
+        }
+        assert_eq!(marks.cells().collect::<Vec<_>>(), [[127, 0, 0], [3, 1, 0], [64, 1, 0], [0, 0, 5]]);
+        assert_eq!(marks.cells_of(1..6).collect::<Vec<_>>(), [[0, 0, 5]]);
+    }
 
     #[test]
     fn the_index_is_the_least_level_that_has_light() {

@@ -1,9 +1,12 @@
 //! What actions change: the light of every channel on every level, and where light has been.
 
-use crate::field::{Channels, Grid, IndexVolume, Levels, Marks, Octree};
+use crate::field::{Channels, Grid, IndexVolume, Levels, Marks, Octree, mean_of_children};
 use crate::scene::Problem;
 use crate::scene::propagation::Snapshots;
 use crate::sh::Real;
+
+/// Where one cell in so many is marked, or fewer, going from mark to mark is quicker than going through all.
+const FEW: usize = 16;
 
 /// One channel of light in its three octrees.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,11 +92,37 @@ impl<T: Real> State<T> {
 
     /// Sets every coarser level of source and accumulated light to the mean of its children.
     pub fn downsample(&mut self) {
+        // Before anything has moved the index marks all cells that are lit.
+        let few = self.index.level(0).count() * FEW <= self.index.sizes().finest().pow(3);
+        if self.iteration == 0 && few {
+            self.downsample_marked();
+            return;
+        }
         for light in &mut self.lights {
             light.source.downsample();
             light.accumulated.downsample();
         }
         self.mark_coarser();
+    }
+
+    /// [`Self::downsample`] of the cells that the index marks, and of those that were lit on coarser levels.
+    fn downsample_marked(&mut self) {
+        for i in 1..self.index.sizes().count() {
+            let mut cells = self.index.level(i - 1).parents();
+            let marks = self.index.level_mut(i);
+            cells.words_mut().iter_mut().zip(marks.words()).for_each(|(cells, marked)| *cells |= marked);
+            let octrees = self.lights.iter_mut().flat_map(|light| [&mut light.source, &mut light.accumulated]);
+            for octree in octrees {
+                let (finer, coarser) = octree.levels_mut().split_at_mut(i);
+                for cell in cells.cells() {
+                    let mean = mean_of_children(&finer[i - 1], cell);
+                    coarser[0].set(cell, mean);
+                    if !mean.is_zero() {
+                        marks.set(cell);
+                    }
+                }
+            }
+        }
     }
 
     /// Marks where the coarser levels hold light.
@@ -151,4 +180,38 @@ pub fn accumulate<T: Real>(light: &Grid<T>, cells: Option<&Marks>, accumulated: 
 /// By level the cells of a problem that accumulate light; `None` where all do.
 pub fn accumulating(problem: &Problem, sizes: Levels) -> Option<Vec<Marks>> {
     (0..sizes.count()).map(|level| problem.accumulating(level)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sh::Sh;
+
+    #[test]
+    fn few_marked_cells_are_downsampled_to_what_going_through_all_gives() {
+        let sizes = Levels::new(16, 1).unwrap();
+        let mut state = State::<f32>::new(sizes, Channels::separate());
+        let put = |state: &mut State<f32>, cell, value: f32| {
+            state.lights[0].source.level_mut(0).set(cell, Sh([value, 0.5, -value, 0.1]));
+            state.lights[1].accumulated.level_mut(0).set(cell, Sh([value, 0.0, 0.0, 0.3]));
+            state.index.level_mut(0).set(cell);
+        };
+        // What coarser levels hold from before has to go.
+        put(&mut state, [3, 9, 14], 1.0);
+        state.downsample();
+        state.lights.iter_mut().flat_map(|light| [&mut light.source, &mut light.accumulated]).for_each(|octree| {
+            octree.level_mut(0).clear();
+        });
+        put(&mut state, [12, 0, 5], 2.0);
+        put(&mut state, [13, 1, 5], 0.7);
+        let mut all = state.clone();
+        for light in &mut all.lights {
+            light.source.downsample();
+            light.accumulated.downsample();
+        }
+        all.mark_coarser();
+        state.downsample();
+        assert!(state == all);
+        assert!(state.lights[0].source.level(4).get([0; 3]).0[0] > 0.0);
+    }
 }

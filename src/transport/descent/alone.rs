@@ -47,7 +47,7 @@ impl<T: Real> Alone<T> {
         Ok(Alone { nest, grids: grids.collect(), lattice })
     }
 
-    /// Forgets the light outside of its grid, from level `first` on, and marks what is sampled where.
+    /// Forgets the light outside of its grid, from level `first` on.
     fn confine(&self, state: &mut State<T>, first: usize) {
         for light in &mut state.lights {
             for octree in [&mut light.source, &mut light.accumulated] {
@@ -56,6 +56,10 @@ impl<T: Real> Alone<T> {
                 }
             }
         }
+    }
+
+    /// Marks what is sampled where.
+    fn mark(&self, state: &mut State<T>) {
         for (i, inside) in self.grids.iter().enumerate() {
             state.index.level_mut(i).clone_from(inside);
         }
@@ -96,11 +100,11 @@ fn confine<T: Real>(grid: &mut Grid<T>, inside: &Marks) {
 impl<T: Real> Transport<T> for Alone<T> {
     fn start(&mut self, state: &mut State<T>) {
         self.lattice.start(state);
-        self.confine(state, 0);
+        self.mark(state);
     }
 
     fn inject(&mut self, state: &mut State<T>) {
-        // What lies outside of the finest grid is still to be downsampled.
+        // What lies outside of the finest grid is still to be downsampled, and the index tells where it is.
         self.lattice.inject(state);
         self.confine(state, 1);
     }
@@ -108,6 +112,7 @@ impl<T: Real> Transport<T> for Alone<T> {
     fn downsample(&mut self, state: &mut State<T>) {
         self.lattice.downsample(state);
         self.confine(state, 0);
+        self.mark(state);
     }
 
     fn admit(&mut self, state: &State<T>) -> Result<(), Divergence> {
@@ -116,8 +121,10 @@ impl<T: Real> Transport<T> for Alone<T> {
 
     fn step(&mut self, state: &mut State<T>) -> Work {
         self.confine(state, 0);
+        self.mark(state);
         self.lattice.step(state);
         self.confine(state, 0);
+        self.mark(state);
         let channels = state.lights.len();
         let visited = self.grids.iter().map(Marks::count).sum::<usize>();
         Work { visited: visited * channels, dark: 0, volume: state.sizes().cells() * channels }
