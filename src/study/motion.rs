@@ -21,7 +21,7 @@ use crate::scene::propagation::{Policy, Propagation};
 use crate::scene::{Problem, Source};
 use crate::simulation::options::Wanted;
 use crate::simulation::{Refusal, Simulation};
-use crate::transport::descent::{Descent, Grids, of_problem};
+use crate::transport::descent::{Descent, Grids, Injected, of_problem};
 use crate::transport::{self, solve::NoFixedPoint};
 
 /// Under this part of the largest light nobody sees a flicker.
@@ -234,11 +234,12 @@ impl Warm {
     }
 
     fn frame(&mut self, problem: &Problem) -> (Vec<Grid<f32>>, Vec<f64>) {
-        let injected = problem.injected::<f32>(&problem.channels());
-        let light = self.channels.iter_mut().zip(&injected).map(|(channel, injected)| {
+        let mut injected = problem.injected::<f32>(&problem.channels());
+        let light = self.channels.iter_mut().zip(&mut injected).map(|(channel, injected)| {
             let Channel { descent, grids: [source, target, accumulated], moved } = channel;
             let mut grids = Grids { source, target, accumulated };
-            descent.take_up(&[injected]);
+            let room = &mut Grid::new(injected.side());
+            descent.take_up(&mut [Injected { light: injected, room }]);
             match moved {
                 Some(moved) => {
                     descent.skip_to_finest();

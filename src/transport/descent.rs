@@ -37,6 +37,7 @@ mod solids;
 mod staged;
 
 pub use course::{Descent, Grids};
+pub use first_steps::Injected;
 pub use partition::Tiling;
 pub use solids::Solids;
 

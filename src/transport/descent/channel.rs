@@ -9,15 +9,15 @@
 use super::first_steps::FirstSteps;
 use super::partition::without;
 use super::solids::Solids;
-use crate::field::{Cell, Grid, Levels, Marks, Octree};
+use crate::field::{Cell, Grid, Levels, Marks};
 use crate::sh::{Real, Sh};
 use crate::transport::lattice::exact::decay::Decay;
-use crate::transport::lattice::exact::filter::{cells, hand_over, hand_over_among};
+use crate::transport::lattice::exact::filter::{hand_over, hand_over_among};
 use crate::transport::lattice::exact::leaves::Leaves;
 use crate::transport::lattice::exact::walls::Solid;
 
-/// Cells of a level, by their number in its planes, with their light.
-pub(super) type Listed<T> = Vec<(usize, Sh<T>)>;
+/// Cells of a level with their light, in the order of memory.
+pub(super) type Listed<T> = Vec<(Cell, Sh<T>)>;
 
 /// Light in a leaf: the level, the cell there, the light.
 pub(super) type InLeaf<T> = (usize, Cell, Sh<T>);
@@ -26,14 +26,14 @@ pub(super) type InLeaf<T> = (usize, Cell, Sh<T>);
 #[derive(Clone, Debug)]
 pub(super) struct Channel<T> {
     /// S, as it was taken up.
-    pub(super) taken: Vec<(Cell, Sh<T>)>,
-    /// What of S counts, and the mean of it in coarser cells, by level and in the order of memory: where a stage that has
-    /// come down to that level has leaves of it.
+    pub(super) taken: Listed<T>,
+    /// What of S counts, and the mean of it in coarser cells, by level: where a stage that has come down to that level has
+    /// leaves of it.
     pub(super) injected: Vec<Listed<T>>,
     /// What of S counts in finest cells that are never leaves.
     pub(super) elsewhere: Listed<T>,
     /// q, filtered to every level.
-    pub(super) moved: Octree<T>,
+    pub(super) moved: Vec<Listed<T>>,
     /// What of both lies beyond the finest leaves of a stage, by the level that it has come down to.
     pub(super) beyond: Vec<Beyond<T>>,
 }
@@ -41,28 +41,31 @@ pub(super) struct Channel<T> {
 /// One channel's light beyond the finest leaves of a stage.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Beyond<T> {
-    /// The mean of S.
-    pub(super) stays: Vec<InLeaf<T>>,
+    /// The mean of S, by level.
+    pub(super) stays: Vec<Listed<T>>,
     /// The source q.
     pub(super) moved: Vec<InLeaf<T>>,
 }
 
 impl<T> Channel<T> {
     /// Everything of S that counts, by finest cells.
-    pub(super) fn stays(&self) -> impl Iterator<Item = &(usize, Sh<T>)> {
+    pub(super) fn stays(&self) -> impl Iterator<Item = &(Cell, Sh<T>)> {
         self.injected[0].iter().chain(&self.elsewhere)
+    }
+
+    /// The means of S that leaves of level `i` hold in the stage that has come down to level `j`.
+    pub(super) fn held(&self, j: usize, i: usize) -> &[(Cell, Sh<T>)] {
+        if i == j { &self.injected[i] } else { &self.beyond[j].stays[i] }
     }
 }
 
 impl<T: Real> Channel<T> {
     /// Bytes of memory that it holds.
     pub(super) fn bytes(&self) -> usize {
-        let listed: usize = self.injected.iter().chain([&self.elsewhere]).map(Vec::capacity).sum();
-        let beyond = self.beyond.iter().map(|beyond| beyond.stays.capacity() + beyond.moved.capacity()).sum::<usize>();
-        self.moved.bytes()
-            + listed * size_of::<(usize, Sh<T>)>()
-            + self.taken.capacity() * size_of::<(Cell, Sh<T>)>()
-            + beyond * size_of::<InLeaf<T>>()
+        let beyond = self.beyond.iter().flat_map(|beyond| &beyond.stays);
+        let lists = self.injected.iter().chain(&self.moved).chain(beyond).chain([&self.elsewhere, &self.taken]);
+        let in_leaves = self.beyond.iter().map(|beyond| beyond.moved.capacity()).sum::<usize>();
+        lists.map(Vec::capacity).sum::<usize>() * size_of::<(Cell, Sh<T>)>() + in_leaves * size_of::<InLeaf<T>>()
     }
 }
 
@@ -79,33 +82,25 @@ pub(super) struct Sorter<'a, T> {
 
 impl<T: Real> Sorter<'_, T> {
     /// Sorts light that has taken its first steps.
-    pub(super) fn sort(
-        &self,
-        FirstSteps { taken, stays, lit, moved: first, mut reached }: FirstSteps<T>,
-    ) -> Channel<T> {
-        let mut moved = Octree::new(self.sizes);
-        // The octree of q serves for the means of S before q is there.
-        let marks = means(&stays, lit, &mut moved);
-        let means = |i: usize| if i == 0 { &stays } else { moved.level(i) };
-        let injected = (0..self.sizes.count()).map(|i| self.listed(i, means(i), &marks[i], true)).collect();
-        let elsewhere = self.listed(0, &stays, &marks[0], false);
-        let beyond = |j: usize| {
-            let coarser = |i: usize| self.in_leaves(j, i, means(i), &marks[i]);
-            Beyond { stays: (j + 1..self.sizes.count()).flat_map(coarser).collect(), moved: Vec::new() }
-        };
-        let mut beyond: Vec<Beyond<T>> = (0..self.sizes.count()).map(beyond).collect();
-        for (grid, marks) in moved.levels_mut().iter_mut().zip(&marks).skip(1) {
-            cells(marks).for_each(|cell| grid.set(cell, Sh::ZERO));
-        }
-        *moved.level_mut(0) = first;
-        for i in 0..self.sizes.count() {
-            if i > 0 {
-                let (finer, coarser) = moved.levels_mut().split_at_mut(i);
-                hand_over(self.decay, 1 << i, &finer[i - 1], &reached, &mut coarser[0]);
-                self.darken(i, &mut coarser[0]);
-                reached = lit_in(&coarser[0]);
+    pub(super) fn sort(&self, FirstSteps { taken, stays, lit, moved: first, reached }: FirstSteps<T>) -> Channel<T> {
+        let count = self.sizes.count();
+        let stays = means(stays, &lit, self.sizes);
+        let injected = (0..count).map(|i| self.listed(i, &stays[i], true)).collect();
+        let elsewhere = self.listed(0, &stays[0], false);
+        let mut moved = vec![first];
+        let mut reached = reached;
+        let mut beyond = Vec::with_capacity(count);
+        for j in 0..count {
+            if j > 0 {
+                let mut coarser = Grid::new(self.sizes.side(j));
+                hand_over(self.decay, 1 << j, moved[j - 1].iter().copied(), &mut coarser);
+                self.darken(j, &mut coarser);
+                reached = lit_in(&coarser);
+                moved.push(reached.light_in(&coarser).collect());
             }
-            beyond[i].moved = self.coarser(i, moved.level(i), &reached);
+            let held = |i: usize| if i > j { self.in_leaves(j, i, &stays[i]) } else { Vec::new() };
+            let stays = (0..count).map(held).collect();
+            beyond.push(Beyond { stays, moved: self.coarser(j, &moved[j], &reached) });
         }
         Channel { taken, injected, elsewhere, moved, beyond }
     }
@@ -115,37 +110,37 @@ impl<T: Real> Sorter<'_, T> {
         &self.stages[self.stages.len() - 1 - j]
     }
 
-    /// The marked cells of level `i` that are leaves once a stage has come down to it, or those that are not.
-    fn listed(&self, i: usize, light: &Grid<T>, marks: &Marks, leaves: bool) -> Listed<T> {
-        let (layout, there) = (light.layout(), self.leaves(i).marks(i));
-        let chosen = cells(marks).filter(|cell| there.get(*cell) == leaves);
-        chosen.map(|cell| (layout.index(cell), light.get(cell))).collect()
+    /// Those cells of level `i` that are leaves once a stage has come down to it, or those that are not.
+    fn listed(&self, i: usize, light: &Listed<T>, leaves: bool) -> Listed<T> {
+        let there = self.leaves(i).marks(i);
+        light.iter().filter(|(cell, _)| there.get(*cell) == leaves).copied().collect()
     }
 
-    /// The marked cells of level `i` that are leaves in the stage of level `j`.
-    fn in_leaves(&self, j: usize, i: usize, light: &Grid<T>, marks: &Marks) -> Vec<InLeaf<T>> {
+    /// Those cells of level `i` that are leaves in the stage of level `j`.
+    fn in_leaves(&self, j: usize, i: usize, light: &Listed<T>) -> Listed<T> {
         let there = self.leaves(j).marks(i);
-        cells(marks).filter(|cell| there.get(*cell)).map(|cell| (i, cell, light.get(cell))).collect()
+        light.iter().filter(|(cell, _)| there.get(*cell)).copied().collect()
     }
 
     /// What of q, filtered to level `j` where `reached` marks it, lies in coarser leaves than those of level j.
-    pub(super) fn coarser(&self, j: usize, q: &Grid<T>, reached: &Marks) -> Vec<InLeaf<T>> {
+    pub(super) fn coarser(&self, j: usize, q: &Listed<T>, reached: &Marks) -> Vec<InLeaf<T>> {
         let leaves = self.leaves(j);
         let mut found = Vec::new();
         let mut left = without(reached, leaves.marks(j));
-        let mut handed: Option<Grid<T>> = None;
+        let mut handed: Option<Listed<T>> = None;
         for i in j + 1..self.sizes.count() {
             if left.count() == 0 {
                 break;
             }
             let mut coarser = Grid::new(self.sizes.side(i));
-            let finer = handed.as_ref().unwrap_or(q);
-            hand_over_among(self.decay, 1 << i, finer, &left, &mut coarser, |cell| leaves.is_whole(i, cell));
+            let finer = handed.as_ref().unwrap_or(q).iter().filter(|(cell, _)| left.get(*cell)).copied();
+            hand_over_among(self.decay, 1 << i, finer, &mut coarser, |cell| leaves.is_whole(i, cell));
             self.darken(i, &mut coarser);
             let lit = lit_in(&coarser);
-            found.extend(self.in_leaves(j, i, &coarser, &lit));
+            let light = lit.light_in(&coarser).collect();
+            found.extend(self.in_leaves(j, i, &light).into_iter().map(|(cell, light)| (i, cell, light)));
             left = without(&lit, leaves.marks(i));
-            handed = Some(coarser);
+            handed = Some(light);
         }
         found
     }
@@ -157,18 +152,18 @@ impl<T: Real> Sorter<'_, T> {
     }
 }
 
-/// Sets the coarser levels of `light` to the means of the marked cells of level 0; returns where, by level.
-fn means<T: Real>(finest: &Grid<T>, lit: Marks, light: &mut Octree<T>) -> Vec<Marks> {
-    let mut marks = vec![lit];
-    for i in 1..light.levels().len() {
-        let (finer, coarser) = light.levels_mut().split_at_mut(i);
-        let from = if i == 1 { finest } else { &finer[i - 1] };
-        for cell in cells(&marks[i - 1]) {
-            coarser[0].add(cell.map(|c| c / 2), from.get(cell) * T::of(0.125));
+/// The means of light on every level; `lit` marks its cells on the finest.
+fn means<T: Real>(finest: Listed<T>, lit: &Marks, sizes: Levels) -> Vec<Listed<T>> {
+    let (mut means, mut lit) = (vec![finest], lit.clone());
+    for i in 1..sizes.count() {
+        let mut coarser = Grid::new(sizes.side(i));
+        for (cell, light) in &means[i - 1] {
+            coarser.add(cell.map(|c| c / 2), *light * T::of(0.125));
         }
-        marks.push(marks[i - 1].parents());
+        lit = lit.parents();
+        means.push(lit.light_in(&coarser).collect());
     }
-    marks
+    means
 }
 
 fn lit_in<T: Real>(grid: &Grid<T>) -> Marks {

@@ -5,13 +5,12 @@ use glam::DVec3;
 use super::channel::Sorter;
 use super::nest::Nest;
 use super::partition::{self, Tiling};
-use super::{Descent, Grids};
+use super::{Descent, Grids, Injected};
 use crate::field::{Cell, Grid, Levels, Marks, Octree};
 use crate::scene::propagation::Snapshots;
 use crate::scene::propagation::descent::Inside;
 use crate::sh::{Real, Sh};
 use crate::transport::lattice::exact::decay::Decay;
-use crate::transport::lattice::exact::filter::cells;
 use crate::transport::lattice::exact::leaves::{Leaves, Way};
 use crate::transport::lattice::kernel::form::Form;
 use crate::transport::lattice::schemes::cascaded;
@@ -25,11 +24,17 @@ fn descend<T: Real>(source: &Grid<T>, factor: f64, tiling: Tiling, k: usize, ins
     let mut descent = Descent::new(sizes, tiling, form, share, Snapshots::Thesis);
     let (mut a, mut b, mut c) = (Octree::new(sizes), Octree::new(sizes), Octree::new(sizes));
     let mut grids = Grids { source: &mut a, target: &mut b, accumulated: &mut c };
-    descent.take_up(&[source]);
+    take_up(&mut descent, source);
     descent.run(k, &mut grids);
     let mut merged = Grid::new(source.side());
     descent.sample(0, inside, &c, &mut merged);
     merged
+}
+
+fn take_up<T: Real>(descent: &mut Descent<T>, light: &Grid<T>) {
+    let (mut light, mut room) = (light.clone(), Grid::new(light.side()));
+    descent.take_up(&mut [Injected { light: &mut light, room: &mut room }]);
+    assert_eq!(room.iter().find(|(_, light)| !light.is_zero()), None);
 }
 
 fn with_lobes<T: Real>(n: usize, lobes: impl IntoIterator<Item = (Cell, DVec3)>) -> Grid<T> {
@@ -119,7 +124,7 @@ fn a_single_level_is_the_uniform_volume_to_the_bit() {
     let mut descent = Descent::new(sizes, Tiling::Cells, form, share, Snapshots::Thesis);
     let (mut a, mut b, mut c) = (Octree::new(sizes), Octree::new(sizes), Octree::new(sizes));
     let mut grids = Grids { source: &mut a, target: &mut b, accumulated: &mut c };
-    descent.take_up(&[&source]);
+    take_up(&mut descent, &source);
     descent.enter(0, &mut grids);
     let mut snapshot = crate::transport::lattice::kernel::step::once(&form, source);
     assert!(grids.source.level(0) == &snapshot);
@@ -142,7 +147,7 @@ fn light_taken_up_anew_starts_from_the_dark() {
     let (mut a, mut b, mut c) = (Octree::new(sizes), Octree::new(sizes), Octree::new(sizes));
     let mut grids = Grids { source: &mut a, target: &mut b, accumulated: &mut c };
     for light in [&mixed(), &source] {
-        descent.take_up(&[light]);
+        take_up(&mut descent, light);
         descent.run(3, &mut grids);
     }
     let mut merged = Grid::new(16);
@@ -165,7 +170,7 @@ fn light_that_has_moved_already_is_a_better_start_than_the_dark() {
         let mut descent = Descent::new(sizes, Tiling::Cells, form, share, Snapshots::Thesis);
         let (mut a, mut b, mut c) = (Octree::new(sizes), Octree::new(sizes), Octree::new(sizes));
         let mut grids = Grids { source: &mut a, target: &mut b, accumulated: &mut c };
-        descent.take_up(&[&source]);
+        take_up(&mut descent, &source);
         descent.skip_to_finest();
         match start {
             Some(start) => descent.resume(0, start, &mut grids),
@@ -190,7 +195,7 @@ fn between_nested_cascades_light_is_neither_made_nor_lost() {
             for i in leaves.levels() {
                 // A leaf alone is lit, all four coefficients of it: its neighbours get what it gives.
                 let inner = |cell: &Cell| cell.iter().all(|c| *c > 0 && *c + 1 < sizes.side(i));
-                for cell in cells(leaves.marks(i)).filter(inner).step_by(97) {
+                for cell in leaves.marks(i).cells().filter(inner).step_by(97) {
                     let (mut light, mut next) = (Octree::new(sizes), Octree::new(sizes));
                     light.level_mut(i).set(cell, Sh([1.0, 0.3, -0.2, 0.4]));
                     leaves.apply(&light, &mut next);
@@ -217,12 +222,10 @@ fn light_beyond_the_finest_leaves_is_handed_to_its_own_whole() {
     // In the finest grid, beside it on either side of a coarse cell, and in the last grid beside the second.
     for (cell, is_finest) in [([12, 16, 16], true), ([11, 16, 16], false), ([10, 16, 16], false), ([7, 12, 20], false)]
     {
-        let mut q = Grid::new(32);
         let light = Sh([1.0, 0.5, -0.25, 0.125]);
-        q.set(cell, light);
         let mut reached = Marks::new(32);
         reached.set(cell);
-        let found = sorter.coarser(0, &q, &reached);
+        let found = sorter.coarser(0, &vec![(cell, light)], &reached);
         assert_eq!(found.is_empty(), is_finest);
         let volume = |i: usize| 8f64.powi(i as i32);
         let sum: Sh<f64> = found.iter().map(|(i, _, light)| *light * volume(*i)).sum();

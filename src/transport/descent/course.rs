@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::channel::{Channel, Sorter};
-use super::first_steps::{FirstSteps, Launch};
+use super::first_steps::{FirstSteps, Injected, Launch};
 use super::partition::{self, Tiling};
 use super::sample;
 use super::solids::Solids;
@@ -12,10 +12,10 @@ use crate::scene::propagation::Snapshots;
 use crate::scene::propagation::descent::Inside;
 use crate::sh::{Real, Sh};
 use crate::transport::lattice::exact::decay::Decay;
-use crate::transport::lattice::exact::filter;
 use crate::transport::lattice::exact::leaves::{Leaves, Way};
 use crate::transport::lattice::exact::walls::Solid;
 use crate::transport::lattice::kernel::form::{Form, Share};
+use crate::transport::team;
 
 /// A descent under way.
 #[derive(Clone, Debug)]
@@ -92,12 +92,12 @@ impl<T: Real> Descent<T> {
         1.0 + 4.0 * self.residence * sent
     }
 
-    /// Takes up the light that level 0 of each channel holds, as injected.
-    pub fn take_up(&mut self, injected: &[&Grid<T>]) {
+    /// Takes up each channel's injected light.
+    pub fn take_up(&mut self, injected: &mut [Injected<'_, T>]) {
         let launch =
             Launch { form: &self.form, solids: self.solids.as_deref(), snapshots: self.snapshots, tiling: self.tiling };
         let heads: Vec<FirstSteps<T>> =
-            injected.iter().enumerate().map(|(colour, light)| launch.run(colour, light)).collect();
+            injected.iter_mut().enumerate().map(|(colour, light)| launch.run(colour, light)).collect();
         let mut near = Marks::new(self.sizes.finest());
         for head in &heads {
             near.words_mut().iter_mut().zip(head.lit.words()).for_each(|(near, lit)| *near |= lit);
@@ -111,7 +111,9 @@ impl<T: Real> Descent<T> {
             Some(Solids { hard, .. }) => Leaves::among(&self.share, Way::Ahead, marks.clone(), &Solid { hard, colour }),
         };
         let colours = if self.solids.is_some() { injected.len() } else { 1 };
-        self.stages = (0..colours).map(|colour| stages.iter().map(|marks| leaves(marks, colour)).collect()).collect();
+        self.stages = (0..colours)
+            .map(|colour| team::share(stages.iter().collect(), |marks: &Vec<Marks>| leaves(marks, colour)))
+            .collect();
         let sorted = |(colour, head): (usize, FirstSteps<T>)| {
             let Descent { sizes, decay, .. } = self;
             let stages = self.stages.get(colour).unwrap_or(&self.stages[0]);
@@ -136,10 +138,7 @@ impl<T: Real> Descent<T> {
     /// Takes from the merged light of a channel what stays where it is, so that B is left.
     pub fn leave_moved(&self, channel: usize, merged: &mut Grid<T>) {
         let stays = self.channels.get(channel).map(Channel::stays);
-        let mut planes = merged.planes_mut();
-        for (at, light) in stays.into_iter().flatten() {
-            planes.iter_mut().zip(light.0).for_each(|(plane, c)| plane[*at] += -c);
-        }
+        stays.into_iter().flatten().for_each(|(cell, light)| merged.add(*cell, *light * T::of(-1.0)));
     }
 
     /// Whether light was taken up.
@@ -206,21 +205,19 @@ impl<T: Real> Descent<T> {
             None => {
                 let Grids { source, target, accumulated } = grids;
                 if self.clean {
-                    for (cell, _) in &light.taken {
-                        for i in 0..self.sizes.count() {
-                            let at = cell.map(|c| c >> i);
-                            source.level_mut(i).set(at, Sh::ZERO);
-                            accumulated.level_mut(i).set(at, Sh::ZERO);
-                        }
+                    for octree in [source, accumulated] {
+                        light.taken.iter().for_each(|(cell, _)| octree.level_mut(0).set(*cell, Sh::ZERO));
+                        octree.levels_mut().iter_mut().skip(1).for_each(Grid::clear);
                     }
                 } else {
                     [source, target, accumulated].into_iter().for_each(|octree| octree.clear());
                 }
             }
             Some(before) => {
-                before.clear(grids.source);
-                before.clear(grids.target);
-                self.hand_down(channel, before, grids.accumulated);
+                let split = self.level() + 1;
+                before.clear_level(split, grids.source.level_mut(split));
+                before.clear_level(split, grids.target.level_mut(split));
+                self.hand_down(light, before, grids.accumulated);
             }
         }
         self.begin(leaves, light, grids);
@@ -236,70 +233,47 @@ impl<T: Real> Descent<T> {
         [source, target].into_iter().for_each(|octree| octree.clear());
         accumulated.level_mut(0).copy_from(moved_before);
         accumulated.downsample();
-        for (i, cell, mean) in &light.beyond[self.level()].stays {
-            accumulated.level_mut(*i).add(*cell, *mean);
-        }
+        let held = light.beyond[self.level()].stays.iter();
+        accumulated.levels_mut().iter_mut().zip(held).for_each(|(level, held)| add(held, level));
         self.begin(leaves, light, grids);
     }
 
     /// The first iteration of a stage, from what its leaves hold of B; coarser ones hold S already.
     fn begin(&self, leaves: &Leaves<T>, light: &Channel<T>, grids: &mut Grids<'_, T>) {
+        let Grids { source, target, accumulated } = grids;
         let j = self.level();
-        let Channel { injected, moved, beyond, .. } = light;
-        // What P makes of B, and the source, less B itself is the correction.
-        leaves.copy(grids.accumulated, grids.source);
-        for (i, cell, mean) in &beyond[j].stays {
-            grids.source.level_mut(*i).add(*cell, *mean * T::of(-1.0));
+        let coarser = j + 1..self.sizes.count();
+        coarser.for_each(|i| subtract(light.held(j, i), accumulated.level_mut(i)));
+        // What P makes of B, and the source, is the new B; less the old one it is the correction.
+        leaves.apply(accumulated, target);
+        leaves.add_source(j, &light.moved[j], target.level_mut(j));
+        for (i, cell, q) in &light.beyond[j].moved {
+            target.level_mut(*i).add(*cell, leaves.amounts_to(*i, *cell, *q));
         }
-        leaves.apply(grids.source, grids.target);
-        leaves.add_source(j, moved.level(j), grids.target.level_mut(j));
-        for (i, cell, q) in &beyond[j].moved {
-            grids.target.level_mut(*i).add(*cell, leaves.amounts_to(*i, *cell, *q));
-        }
-        leaves.subtract(grids.source, grids.target);
-        self.take(leaves, grids);
-        let level = grids.accumulated.level_mut(j);
-        let mut planes = level.planes_mut();
-        for (at, light) in &injected[j] {
-            planes.iter_mut().zip(light.0).for_each(|(plane, c)| plane[*at] += c);
-        }
+        leaves.levels().for_each(|i| leaves.exchange(i, target.level_mut(i), accumulated.level_mut(i)));
+        std::mem::swap(*source, *target);
+        (j..self.sizes.count()).for_each(|i| add(light.held(j, i), accumulated.level_mut(i)));
     }
 
     /// Another iteration of this stage for a channel.
     pub fn iterate(&self, channel: usize, grids: &mut Grids<'_, T>) {
         let Some(leaves) = self.leaves_of(channel, self.stage) else { return };
-        leaves.apply(grids.source, grids.target);
-        self.take(leaves, grids);
-    }
-
-    fn take(&self, leaves: &Leaves<T>, grids: &mut Grids<'_, T>) {
-        leaves.add(grids.target, grids.accumulated);
+        leaves.advance(grids.source, grids.target, grids.accumulated);
         std::mem::swap(grids.source, grids.target);
     }
 
     /// Starts the leaves of this stage's level from those they were split off.
-    fn hand_down(&self, channel: usize, before: &Leaves<T>, accumulated: &mut Octree<T>) {
+    fn hand_down(&self, light: &Channel<T>, before: &Leaves<T>, accumulated: &mut Octree<T>) {
         let j = self.level();
-        let split = before.marks(j + 1);
+        let held = |i: usize| light.held(j + 1, i);
+        (j + 1..self.sizes.count()).for_each(|i| subtract(held(i), accumulated.level_mut(i)));
+        let split = match self.leaves() {
+            Some(leaves) => partition::without(before.marks(j + 1), leaves.marks(j + 1)),
+            None => before.marks(j + 1).clone(),
+        };
         let (finer, coarser) = accumulated.levels_mut().split_at_mut(j + 1);
-        let light = |i: usize, cell: Cell| self.moved_light(channel, &coarser[i - j - 1], i, cell);
-        let stays = self.leaves().map(|leaves| leaves.marks(j + 1));
-        for cell in filter::cells(split).filter(|cell| stays.is_none_or(|stays| !stays.get(*cell))) {
-            let value = light(j + 1, cell);
-            for (child, weight) in sample::children(before, &light, (j + 1, cell)) {
-                finer[j].set(child, value * T::of(weight));
-            }
-        }
-    }
-
-    /// B in a leaf: what was accumulated there, less what was injected.
-    fn moved_light(&self, channel: usize, accumulated: &Grid<T>, i: usize, cell: Cell) -> Sh<T> {
-        let at = accumulated.layout().index(cell);
-        let injected = &self.channels[channel].injected[i];
-        match injected.binary_search_by_key(&at, |(at, _)| *at) {
-            Ok(found) => accumulated.at(at) - injected[found].1,
-            Err(_) => accumulated.at(at),
-        }
+        sample::split(before, &|i, cell| coarser[i - j - 1].get(cell), (j + 1, &split), &mut finer[j]);
+        (j + 1..self.sizes.count()).for_each(|i| add(held(i), accumulated.level_mut(i)));
     }
 
     /// Stores the accumulated light of a channel in every finest cell: B as the leaves hold it `inside`, and S where it
@@ -309,15 +283,22 @@ impl<T: Real> Descent<T> {
             merged.clear();
             return;
         };
-        let light = |i: usize, cell: Cell| self.moved_light(channel, accumulated.level(i), i, cell);
+        let j = self.level();
+        // B: what was accumulated, less what of S a leaf holds.
+        let light = |i: usize, cell: Cell| {
+            let order = |[x, y, z]: Cell| [z, y, x];
+            let (held, accumulated) = (found.held(j, i), accumulated.level(i).get(cell));
+            match held.binary_search_by_key(&order(cell), |(cell, _)| order(*cell)) {
+                Ok(at) => accumulated - held[at].1,
+                Err(_) => accumulated,
+            }
+        };
         sample::merge(leaves, inside, &light, merged);
         leaves.copy_level(0, accumulated.level(0), merged);
         // Leaves of the finest level hold S already.
-        let finest: &[_] = if self.level() == 0 { &[] } else { &found.injected[0] };
-        let mut planes = merged.planes_mut();
-        for (at, light) in finest.iter().chain(&found.elsewhere) {
-            planes.iter_mut().zip(light.0).for_each(|(plane, c)| plane[*at] += c);
-        }
+        let finest: &[_] = if j == 0 { &[] } else { &found.injected[0] };
+        add(finest, merged);
+        add(&found.elsewhere, merged);
     }
 
     /// Bytes of memory that it holds beside the grids.
@@ -325,4 +306,14 @@ impl<T: Real> Descent<T> {
         self.stages.iter().flatten().map(Leaves::bytes).sum::<usize>()
             + self.channels.iter().map(Channel::bytes).sum::<usize>()
     }
+}
+
+/// Adds light to its cells.
+fn add<T: Real>(light: &[(Cell, Sh<T>)], grid: &mut Grid<T>) {
+    light.iter().for_each(|(cell, light)| grid.add(*cell, *light));
+}
+
+/// Subtracts light from its cells.
+fn subtract<T: Real>(light: &[(Cell, Sh<T>)], grid: &mut Grid<T>) {
+    light.iter().for_each(|(cell, light)| grid.add(*cell, *light * T::of(-1.0)));
 }

@@ -11,15 +11,18 @@
 //! step cell by cell, and leaves as far from where the first has been, it is 0.07 in both (0.0686 and 0.0745). That
 //! takes two more layers of finest cells; where whole walls are lit and little is to be gained they are not worth it.
 
+use std::cmp::Ordering;
+
+use super::channel::Listed;
 use super::partition::Tiling;
 use super::solids::Solids;
 use crate::field::{Cell, Grid, Marks};
 use crate::scene::propagation::Snapshots;
 use crate::sh::{Real, Sh};
-use crate::transport::lattice::exact::filter::cells;
 use crate::transport::lattice::kernel::form::Form;
 use crate::transport::lattice::kernel::occluded::{OcclusionLaw, Which};
-use crate::transport::lattice::kernel::{Instructions, Level, Order, lies_in_cone, step};
+use crate::transport::lattice::kernel::step::{self, pieces};
+use crate::transport::lattice::kernel::{Instructions, Level, Order, lies_in_cone};
 
 /// Steps after which what is left of clamps is left alone.
 const MOST_STEPS: usize = 4;
@@ -37,52 +40,63 @@ pub(super) struct Launch<'a, T> {
     pub(super) tiling: Tiling,
 }
 
+/// One channel's light, to be taken up.
+#[derive(Debug)]
+pub struct Injected<'a, T> {
+    /// The injected light, which is left as it is.
+    pub light: &'a mut Grid<T>,
+    /// A dark grid of the same side, which is left dark.
+    pub room: &'a mut Grid<T>,
+}
+
 /// One channel's light after its first steps.
 #[derive(Debug)]
 pub(super) struct FirstSteps<T> {
     /// The injected light.
-    pub(super) taken: Vec<(Cell, Sh<T>)>,
+    pub(super) taken: Listed<T>,
     /// What of the light so far counts and stays where it is.
-    pub(super) stays: Grid<T>,
+    pub(super) stays: Listed<T>,
     /// Where light has been.
     pub(super) lit: Marks,
     /// q, the last step.
-    pub(super) moved: Grid<T>,
+    pub(super) moved: Listed<T>,
     /// Where q is.
     pub(super) reached: Marks,
 }
 
 impl<T: Real> Launch<'_, T> {
     /// Launches the light of a colour (0 red, 1 green, 2 blue).
-    pub(super) fn run(&self, colour: usize, light: &Grid<T>) -> FirstSteps<T> {
+    pub(super) fn run(&self, colour: usize, Injected { light, room }: &mut Injected<'_, T>) -> FirstSteps<T> {
         let n = light.side();
         let mut lit = Marks::new(n);
         lit.mark_lit(light);
-        let taken: Vec<(Cell, Sh<T>)> = cells(&lit).map(|cell| (cell, light.get(cell))).collect();
-        // Only what is lit is touched: the rest of a new grid costs nothing.
-        let (mut source, mut stays) = (Grid::new(n), Grid::new(n));
-        for (cell, value) in &taken {
-            source.set(*cell, *value);
-            if self.snapshots != Snapshots::WithoutInjected {
-                stays.set(*cell, *value);
-            }
-        }
+        let taken: Listed<T> = lit.light_in(light).collect();
+        let mut stays = if self.snapshots == Snapshots::WithoutInjected { Vec::new() } else { taken.clone() };
         // Where the first iteration sends the light twice, all that has moved counts twice.
         let times = T::of(if self.snapshots == Snapshots::CopyFirst { 2.0 } else { 1.0 });
-        let (mut moved, mut reached) = self.step(colour, &mut source, &lit);
+        let mut reached = self.step(colour, light, &lit, room);
+        let mut next: Option<Grid<T>> = None;
         let few = matches!(self.tiling, Tiling::Leaves { .. }) && taken.len() * FEW <= n.pow(3);
         let least = if few { 2 } else { 1 };
         for steps in 1..MOST_STEPS {
-            if steps >= least && self.is_linear(&moved, &reached) {
+            let moved = next.as_mut().unwrap_or(room);
+            if steps >= least && self.is_linear(moved, &reached) {
                 break;
             }
-            for cell in cells(&reached) {
-                stays.add(cell, moved.get(cell) * times);
-                lit.set(cell);
+            stays = sum(stays, reached.light_in(moved).map(|(cell, light)| (cell, light * times)));
+            lit.words_mut().iter_mut().zip(reached.words()).for_each(|(lit, reached)| *lit |= reached);
+            let mut further = Grid::new(n);
+            let got_to = self.step(colour, moved, &reached, &mut further);
+            if next.is_none() {
+                reached.cells().for_each(|cell| room.set(cell, Sh::ZERO));
             }
-            (moved, reached) = self.step(colour, &mut moved, &reached);
+            (next, reached) = (Some(further), got_to);
         }
-        cells(&reached).for_each(|cell| moved.set(cell, moved.get(cell) * times));
+        let last = next.as_ref().unwrap_or(room);
+        let moved: Listed<T> = reached.light_in(last).map(|(cell, light)| (cell, light * times)).collect();
+        if next.is_none() {
+            moved.iter().for_each(|(cell, _)| room.set(*cell, Sh::ZERO));
+        }
         FirstSteps { taken, stays, lit, moved, reached }
     }
 
@@ -91,15 +105,16 @@ impl<T: Real> Launch<'_, T> {
         self.solids.is_some() || self.form.cone.is_none_or(|cone| cone.is_infinite() || lies_in_cone(light, lit, cone))
     }
 
-    /// One step, and where it has gone.
-    fn step(&self, colour: usize, source: &mut Grid<T>, lit: &Marks) -> (Grid<T>, Marks) {
+    /// One step into a dark grid; returns where it has gone.
+    fn step(&self, colour: usize, source: &mut Grid<T>, lit: &Marks, moved: &mut Grid<T>) -> Marks {
         let n = source.side();
-        let (mut moved, mut reached) = (Grid::new(n), Marks::new(n));
+        let pieces = pieces(rayon::current_num_threads(), lit.cells_in_touched_words());
+        let mut reached = Marks::new(n);
         if let Some(Solids { hard, stencil, .. }) = self.solids {
             let which = Which { level: 0, colour, blocks: true };
-            OcclusionLaw::Hard(hard.clone()).propagate(stencil, which, source, &mut moved);
-            reached.mark_lit(&moved);
-            return (moved, reached);
+            OcclusionLaw::Hard(hard.clone()).propagate(stencil, which, source, moved);
+            reached.mark_lit(moved);
+            return reached;
         }
         let order = Order {
             form: *self.form,
@@ -112,12 +127,33 @@ impl<T: Real> Launch<'_, T> {
         let mut level = Level {
             source,
             source_lit: &mut lit.clone(),
-            target: &mut moved,
+            target: moved,
             target_lit: &mut Marks::new(n),
             sum: None,
             marks: &mut reached,
         };
-        step::step(&order, &mut level, 1, None);
-        (moved, reached)
+        step::step(&order, &mut level, pieces, None);
+        reached
+    }
+}
+
+/// The sum of two lists in the order of memory.
+fn sum<T: Real>(a: Listed<T>, b: impl Iterator<Item = (Cell, Sh<T>)>) -> Listed<T> {
+    let mut sum: Listed<T> = Vec::with_capacity(a.len());
+    let (mut a, mut b) = (a.into_iter().peekable(), b.peekable());
+    let order = |cell: Cell| [cell[2], cell[1], cell[0]];
+    loop {
+        let next = match (a.peek(), b.peek()) {
+            (Some((here, _)), Some((there, _))) => order(*here).cmp(&order(*there)),
+            (Some(_), None) => Ordering::Less,
+            (None, Some(_)) => Ordering::Greater,
+            (None, None) => return sum,
+        };
+        let first = if next == Ordering::Greater { None } else { a.next() };
+        let second = if next == Ordering::Less { None } else { b.next() };
+        match (first, second) {
+            (Some((cell, one)), Some((_, other))) => sum.push((cell, one + other)),
+            (first, second) => sum.extend(first.or(second)),
+        }
     }
 }

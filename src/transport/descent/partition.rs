@@ -9,8 +9,10 @@
 //!
 //! Stage j has no leaf finer than level j: what would be finer is a leaf of level j.
 
+use std::ops::Range;
+
 use super::nest::Nest;
-use crate::field::{Levels, Marks, row_mask};
+use crate::field::{Levels, Marks};
 
 /// What the volume is cut into.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,13 +58,10 @@ fn splits(sizes: Levels, tiling: Tiling, lit: &Marks) -> Vec<Marks> {
         Tiling::Cascades(nest) => return (1..sizes.count()).map(|i| nest.cells(i - 1).parents()).collect(),
         Tiling::Leaves { distance } => distance,
     };
-    let (mut near, mut reach) = (lit.clone(), 0);
     let level = |i: usize| {
         // The largest whole distance below r·2^(i−1).
-        let wanted = ((distance * f64::from(1u32 << (i - 1))).ceil() as usize).saturating_sub(1).min(sizes.finest());
-        near = widened(&near, wanted - reach);
-        reach = wanted;
-        (0..i).fold(near.clone(), |marks, _| marks.parents())
+        let reach = ((distance * f64::from(1u32 << (i - 1))).ceil() as usize).saturating_sub(1);
+        blocks_near(lit, i, reach.min(sizes.finest()))
     };
     (1..sizes.count()).map(level).collect()
 }
@@ -112,57 +111,44 @@ fn twice(bits: u32) -> u64 {
     word | word << 1
 }
 
-/// All cells at most `by` away along each axis from a marked one.
-fn widened(marks: &Marks, by: usize) -> Marks {
+/// The blocks of 2^i cells along a side that have a marked cell inside or at most `reach` away along each axis.
+fn blocks_near(marks: &Marks, i: usize, reach: usize) -> Marks {
     let (n, per_row) = (marks.side(), marks.words_per_row());
-    let mut near = marks.clone();
-    for axis in 0..3 {
-        let mut reach = 0;
-        while reach < by {
-            // Two copies beside what is covered leave no gap up to this far, even where a part of it lies outside.
-            let step = (reach + 1).min(by - reach);
-            let before = near.clone();
-            let rows = |row: usize, other: Option<usize>, near: &mut Marks| {
-                let Some(other) = other else { return };
-                let from = &before.words()[other * per_row..][..per_row];
-                near.words_mut()[row * per_row..][..per_row].iter_mut().zip(from).for_each(|(to, from)| *to |= from);
-            };
-            for row in 0..n * n {
-                let (y, z) = (row % n, row / n);
-                match axis {
-                    0 => smear(
-                        &before.words()[row * per_row..][..per_row],
-                        step,
-                        n,
-                        &mut near.words_mut()[row * per_row..][..per_row],
-                    ),
-                    1 => {
-                        rows(row, y.checked_sub(step).map(|y| z * n + y), &mut near);
-                        rows(row, Some(y + step).filter(|y| *y < n).map(|y| z * n + y), &mut near);
-                    }
-                    _ => {
-                        rows(row, z.checked_sub(step).map(|z| z * n + y), &mut near);
-                        rows(row, Some(z + step).filter(|z| *z < n).map(|z| z * n + y), &mut near);
-                    }
-                }
-            }
-            reach += step;
+    let mut blocks = Marks::new(n >> i);
+    let around = |block: usize| (block << i).saturating_sub(reach)..n.min(((block + 1) << i) + reach);
+    // One axis after the other: planes of rows, rows, and the bits of a row.
+    let (mut planes, mut rows) = (vec![0; n * per_row], vec![0; per_row]);
+    for z in 0..n >> i {
+        any_of(marks.words(), around(z), &mut planes);
+        if planes.iter().all(|word| *word == 0) {
+            continue;
+        }
+        for y in 0..n >> i {
+            any_of(&planes, around(y), &mut rows);
+            (0..n >> i).filter(|x| any_in(&rows, around(*x))).for_each(|x| blocks.set([x, y, z]));
         }
     }
-    near
+    blocks
 }
 
-/// Adds to `to` a row of n bits moved by `step` both ways.
-fn smear(from: &[u64], step: usize, n: usize, to: &mut [u64]) {
-    let (words, bits) = (step / 64, step % 64);
-    let at = |w: Option<usize>| w.and_then(|w| from.get(w)).copied().unwrap_or(0);
-    for (w, to) in to.iter_mut().enumerate() {
-        let (low, high) = (at(w.checked_sub(words)), at(w.checked_sub(words + 1)));
-        let up = if bits == 0 { low } else { low << bits | high >> (64 - bits) };
-        let (near, far) = (at(Some(w + words)), at(Some(w + words + 1)));
-        let down = if bits == 0 { near } else { near >> bits | far << (64 - bits) };
-        *to = (*to | up | down) & row_mask(n);
+/// Sets `to` to what any of the chunks of its length holds.
+fn any_of(words: &[u64], chunks: Range<usize>, to: &mut [u64]) {
+    to.fill(0);
+    let length = to.len();
+    for chunk in words[chunks.start * length..chunks.end * length].chunks_exact(length) {
+        to.iter_mut().zip(chunk).for_each(|(to, word)| *to |= word);
     }
+}
+
+/// Whether any of these bits is set; of a word bit 0 is the first.
+fn any_in(words: &[u64], bits: Range<usize>) -> bool {
+    let last = bits.end - 1;
+    let mask = |w: usize| {
+        let from = if w == bits.start / 64 { u64::MAX << (bits.start % 64) } else { u64::MAX };
+        let to = if w == last / 64 { u64::MAX >> (63 - last % 64) } else { u64::MAX };
+        from & to
+    };
+    (bits.start / 64..=last / 64).any(|w| words[w] & mask(w) != 0)
 }
 
 #[cfg(test)]
@@ -225,11 +211,15 @@ mod tests {
 
     #[test]
     fn what_is_near_is_found_along_all_axes_and_across_words() {
-        for (n, by) in [(16, 1), (16, 5), (128, 70)] {
+        for (n, i, reach) in [(16, 0, 1), (16, 2, 5), (16, 4, 16), (128, 1, 70), (128, 0, 63), (128, 5, 64)] {
             let centre = [n / 2 + 3, n - 2, 1];
-            let near = widened(&lit(n, [centre]), by);
-            let expected = |cell: Cell| (0..3).all(|k| cell[k].abs_diff(centre[k]) <= by);
-            assert!(Layout::new(n).cells().all(|cell| near.get(cell) == expected(cell)), "n = {n}, {by}");
+            let near = blocks_near(&lit(n, [centre]), i, reach);
+            let expected = |block: Cell| {
+                let beside = |k: usize| (block[k] << i..(block[k] + 1) << i).any(|c| c.abs_diff(centre[k]) <= reach);
+                (0..3).all(beside)
+            };
+            assert_eq!(near.side(), n >> i);
+            assert!(Layout::new(n >> i).cells().all(|block| near.get(block) == expected(block)), "{n}, {i}, {reach}");
         }
     }
 

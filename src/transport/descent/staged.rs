@@ -9,6 +9,7 @@
 use std::sync::Arc;
 
 use super::course::{Descent, Grids};
+use super::first_steps::Injected;
 use crate::field::{Grid, Octree};
 use crate::scene::Problem;
 use crate::sh::Real;
@@ -130,8 +131,11 @@ impl<T: Real> Transport<T> for Staged<T> {
     fn step(&mut self, state: &mut State<T>) -> Work {
         let enters = self.enters();
         if !self.descent.is_under_way() {
-            let injected: Vec<&Grid<T>> = state.lights.iter().map(|light| light.source.level(0)).collect();
-            self.descent.take_up(&injected);
+            let lights = state.lights.iter_mut();
+            let mut injected: Vec<Injected<'_, T>> = lights
+                .map(|Light { source, target, .. }| Injected { light: source.level_mut(0), room: target.level_mut(0) })
+                .collect();
+            self.descent.take_up(&mut injected);
             self.descent.starts_clean();
         } else if enters {
             self.descent.descend();

@@ -56,7 +56,7 @@ impl<T: Real> Coarse<T> {
                 if self.at_rest {
                     self.hand_over(i, &light.source, &mut light.target);
                 } else {
-                    leaves.apply_level(i, |level| light.source.level(level), light.target.level_mut(i));
+                    leaves.apply_level(i, |level| light.source.level(level), light.target.level_mut(i), None);
                 }
                 std::mem::swap(light.source.level_mut(i), light.target.level_mut(i));
                 light.accumulated.level_mut(i).add_grid(light.source.level(i));
@@ -73,7 +73,7 @@ impl<T: Real> Coarse<T> {
         let mut lit = Marks::new(finer.side());
         lit.mark_lit(finer);
         target.level_mut(i).clear();
-        filter::hand_over(&self.decay, 1 << i, finer, &lit, target.level_mut(i));
+        filter::hand_over(&self.decay, 1 << i, lit.light_in(finer), target.level_mut(i));
         if let Some(hard) = &self.hard {
             Solid { hard, colour: 0 }.darken(i, target.level_mut(i));
         }

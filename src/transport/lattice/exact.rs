@@ -51,6 +51,7 @@ pub mod crossing;
 pub mod decay;
 pub mod filter;
 pub mod leaves;
+mod meeting;
 pub mod sampling;
 mod step;
 pub mod walls;

@@ -69,7 +69,7 @@ fn around(centre: Cell) -> Vec<Marks> {
 fn lit(leaves: &Leaves<f64>) -> Octree<f64> {
     let mut light = Octree::new(Levels::new(N, 1).unwrap());
     for i in leaves.levels() {
-        for (k, cell) in super::filter::cells(leaves.marks(i)).enumerate() {
+        for (k, cell) in leaves.marks(i).cells().enumerate() {
             light.level_mut(i).set(cell, some_light(1000 * i + k));
         }
     }
@@ -201,13 +201,9 @@ fn both_ways_to_iterate_have_one_fixed_point() {
     let marks = around([8, 8, 8]);
     let solve = |way| {
         let leaves = Leaves::<f64>::new(&share, way, marks.clone());
-        let mut source = Octree::new(Levels::new(N, 1).unwrap());
-        source.level_mut(0).set([9, 8, 8], Sh([LOBE0, 0.1, -0.2, 0.0]));
-        let mut light = Octree::new(source.sizes());
+        let mut light = Octree::new(Levels::new(N, 1).unwrap());
         let mut next = light.clone();
-        for i in leaves.levels() {
-            leaves.add_source(i, source.level(i), light.level_mut(i));
-        }
+        leaves.add_source(0, &[([9, 8, 8], Sh([LOBE0, 0.1, -0.2, 0.0]))], light.level_mut(0));
         let mut sum = light.clone();
         for _ in 0..1500 {
             leaves.apply(&light, &mut next);

@@ -20,13 +20,18 @@
 //! Nothing is lost between cells; what would go out of the volume does.
 
 use super::decay::Decay;
-use crate::field::{Cell, Grid, Marks};
-use crate::sh::Real;
+use crate::field::{Cell, Grid};
+use crate::sh::{Real, Sh};
 
-/// Adds to `coarser`, of half the side, the filtered light of the cells of `finer` that `lit` marks. `h` is the width of
-/// a coarse cell in finest cells.
-pub fn hand_over<T: Real>(decay: &Decay, h: usize, finer: &Grid<T>, lit: &Marks, coarser: &mut Grid<T>) {
-    hand_over_among(decay, h, finer, lit, coarser, |_| true);
+/// Adds to `coarser`, of half the side, the filtered light of finer cells. `h` is the width of a coarse cell in finest
+/// cells.
+pub fn hand_over<T: Real>(
+    decay: &Decay,
+    h: usize,
+    finer: impl IntoIterator<Item = (Cell, Sh<T>)>,
+    coarser: &mut Grid<T>,
+) {
+    hand_over_among(decay, h, finer, coarser, |_| true);
 }
 
 /// [`hand_over`] where only the coarse cells that `there` tells take light: what would go to others, which finer ones
@@ -34,16 +39,14 @@ pub fn hand_over<T: Real>(decay: &Decay, h: usize, finer: &Grid<T>, lit: &Marks,
 pub fn hand_over_among<T: Real>(
     decay: &Decay,
     h: usize,
-    finer: &Grid<T>,
-    lit: &Marks,
+    finer: impl IntoIterator<Item = (Cell, Sh<T>)>,
     coarser: &mut Grid<T>,
     there: impl Fn(Cell) -> bool,
 ) {
     let n = coarser.side();
     let w = decay.filter(h as f64);
     let (own, beside) = (0.5 * (1.0 - w), 0.5 * w);
-    for cell in cells(lit) {
-        let light = finer.get(cell);
+    for (cell, light) in finer {
         // Along each axis: the parent, and the one beside the child, if there is one.
         let two = cell.map(|c| {
             let parent = c / 2;
@@ -61,30 +64,13 @@ pub fn hand_over_among<T: Real>(
     }
 }
 
-/// The marked cells, x fastest.
-pub fn cells(marks: &Marks) -> impl Iterator<Item = Cell> + '_ {
-    let (n, per_row) = (marks.side(), marks.words_per_row());
-    marks.words().iter().enumerate().flat_map(move |(i, word)| {
-        let (row, first) = (i / per_row, 64 * (i % per_row));
-        let mut left = *word;
-        std::iter::from_fn(move || {
-            let bit = (left != 0).then(|| left.trailing_zeros() as usize)?;
-            left &= left - 1;
-            Some([first + bit, row % n, row / n])
-        })
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sh::Sh;
 
     fn handed_over(decay: &Decay, cell: Cell) -> Grid<f64> {
-        let (mut fine, mut coarse, mut lit) = (Grid::new(8), Grid::new(4), Marks::new(8));
-        fine.set(cell, Sh([1.0, 0.5, -0.25, 0.125]));
-        lit.mark_lit(&fine);
-        hand_over(decay, 2, &fine, &lit, &mut coarse);
+        let mut coarse = Grid::new(4);
+        hand_over(decay, 2, [(cell, Sh([1.0, 0.5, -0.25, 0.125]))], &mut coarse);
         coarse
     }
 
@@ -114,24 +100,13 @@ mod tests {
 
     #[test]
     fn what_would_go_to_a_finer_neighbour_stays_in_the_parent() {
-        let (mut fine, mut coarse, mut lit) = (Grid::<f64>::new(8), Grid::new(4), Marks::new(8));
-        fine.set([3, 4, 2], Sh([1.0, 0.5, -0.25, 0.125]));
-        lit.mark_lit(&fine);
+        let mut coarse = Grid::new(4);
         let decay = Decay::new(1.146_309_91);
-        hand_over_among(&decay, 2, &fine, &lit, &mut coarse, |[x, ..]| x < 2);
+        hand_over_among(&decay, 2, [([3, 4, 2], Sh([1.0, 0.5, -0.25, 0.125]))], &mut coarse, |[x, ..]| x < 2);
         let whole = handed_over(&decay, [3, 4, 2]);
         assert!((coarse.energy() - whole.energy()).abs() < 1e-15);
         let gained = (coarse.get([1, 2, 1]) - whole.get([1, 2, 1])).0[0];
         let lost: f64 = whole.iter().filter(|(cell, _)| cell[0] == 2).map(|(_, light)| light.0[0]).sum();
         assert!(lost > 0.0 && (gained - lost).abs() < 1e-15, "{gained}, {lost}");
-    }
-
-    #[test]
-    fn marked_cells_come_in_order() {
-        let mut marks = Marks::new(128);
-        for cell in [[127, 0, 0], [3, 1, 0], [64, 1, 0], [0, 0, 5]] {
-            marks.set(cell);
-        }
-        assert_eq!(cells(&marks).collect::<Vec<_>>(), [[127, 0, 0], [3, 1, 0], [64, 1, 0], [0, 0, 5]]);
     }
 }

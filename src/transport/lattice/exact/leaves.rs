@@ -20,15 +20,16 @@
 //! the equation of c00.
 //!
 //! Most leaves have six neighbours of their own size: *inner* ones, for which D is a number for each band. They lie in
-//! runs along x. The others, at the border of the volume, beside another level or a wall, are *seams*.
+//! runs along x. The others, at the border of the volume, beside another level or a wall, are *seams*. Of those too there
+//! are few sorts: what comes in through a face and what stays depends on what lies beyond the six faces, not on where.
+//! A seam therefore names its [`Meeting`], which it shares with all that meet the same.
 
 use std::ops::Range;
 
 use super::crossing::{Crossing, Pass};
 use super::decay::Decay;
-use super::filter::cells;
+use super::meeting::{Face, Meeting, Meetings, is_walled};
 use super::walls::{Open, Walls};
-use super::within::{Own, Within};
 use crate::field::{Cell, Layout, Marks, row_mask};
 use crate::sh::Real;
 use crate::transport::lattice::face::Direction;
@@ -51,7 +52,6 @@ pub struct Leaves<T> {
     /// The level of the first of them.
     first: usize,
     way: Way,
-    share: Share<T>,
 }
 
 /// The leaves of one level.
@@ -65,7 +65,12 @@ pub struct Tier<T> {
     pub(super) inner: Inner<T>,
     /// The inner ones.
     pub(super) runs: Vec<Run>,
-    pub(super) seams: Vec<Seam<T>>,
+    /// The others, in the order of memory.
+    pub(super) seams: Vec<Seam>,
+    /// What seams meet.
+    pub(super) meetings: Vec<Meeting<T>>,
+    /// How much there is to do up to the end of every slab of the level, in inner leaves' worth.
+    pub(super) work: Vec<usize>,
 }
 
 /// What an inner leaf takes: a neighbour's share, and what stays, for c00 and for the direction.
@@ -84,28 +89,19 @@ pub(super) struct Run {
     pub(super) length: usize,
 }
 
-/// A leaf at the border of the volume or beside another level.
+/// A leaf at the border of the volume, beside another level or a wall. Places are those in the planes of a level.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Seam<T> {
-    /// Its place in the planes of its level.
+pub(super) struct Seam {
     pub(super) at: u32,
-    /// What lies beyond its faces, in the order of [`Direction::ALL`].
-    pub(super) sides: [Side; 6],
-    /// What of it comes in: the multiples of the even and of the odd numbers of the share.
-    pub(super) passes: [[T; 2]; 6],
-    /// D.
-    pub(super) within: Within<T>,
+    /// Which of the tier's meetings it is.
+    pub(super) meeting: u32,
+    /// Where the light beyond its faces is, in the planes of that level; of four finer leaves the first. In the order of
+    /// [`Direction::ALL`].
+    pub(super) sides: [u32; 6],
 }
 
-/// What lies beyond a face; places are those in the planes of the neighbour's level.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Side {
-    Dark,
-    Same(u32),
-    Coarser(u32),
-    /// The first of four.
-    Finer(u32),
-}
+/// How many inner leaves take the time of a seam, about.
+const SEAM: usize = 16;
 
 impl<T: Real> Leaves<T> {
     /// All cells of level `level`, of the given side; no other level has leaves.
@@ -129,7 +125,7 @@ impl<T: Real> Leaves<T> {
     fn from_level(share: &Share<f64>, way: Way, first: usize, marks: Vec<Marks>, walls: &dyn Walls) -> Self {
         let decay = Decay::of(share);
         let tier = |at: usize| Tier::new((share, &decay, way), first + at, &marks, at, walls);
-        Leaves { tiers: (0..marks.len()).map(tier).collect(), first, way, share: cast(share) }
+        Leaves { tiers: (0..marks.len()).map(tier).collect(), first, way }
     }
 
     /// The leaves of level `i`.
@@ -161,16 +157,12 @@ impl<T: Real> Leaves<T> {
         &self.tiers[i - self.first]
     }
 
-    pub(super) fn share(&self) -> &Share<T> {
-        &self.share
-    }
-
     /// Bytes that [`Self::uniform`] takes.
     pub fn bytes_of_uniform(level: usize, side: usize) -> u64 {
         // At level 0 there are no seams; above, the border of the cube is.
         let border = if level == 0 { 0 } else { side.pow(3) - side.saturating_sub(2).pow(3) };
         let rows = side * side;
-        (border * size_of::<Seam<T>>() + rows * (2 * size_of::<Run>() + side.div_ceil(64) * size_of::<u64>())) as u64
+        (border * size_of::<Seam>() + rows * (2 * size_of::<Run>() + side.div_ceil(64) * size_of::<u64>())) as u64
     }
 
     /// Bytes of memory it holds.
@@ -178,7 +170,9 @@ impl<T: Real> Leaves<T> {
         let tier = |tier: &Tier<T>| {
             size_of_val(tier.marks.words())
                 + (tier.all.capacity() + tier.runs.capacity()) * size_of::<Run>()
-                + tier.seams.capacity() * size_of::<Seam<T>>()
+                + tier.seams.capacity() * size_of::<Seam>()
+                + tier.meetings.capacity() * size_of::<Meeting<T>>()
+                + tier.work.capacity() * size_of::<usize>()
         };
         self.tiers.iter().map(tier).sum()
     }
@@ -194,48 +188,38 @@ impl<T: Real> Tier<T> {
         walls: &dyn Walls,
     ) -> Self {
         let here = &marks[i];
-        let open = Faces::new(decay, level);
-        let inner = Inner::new(share, way, open.to[1]);
+        let mut meetings = Meetings::new(share, decay, level, walls);
+        let inner = Inner::new(share, way, meetings.open.to[1]);
         let [mut enclosed, mut others] = split(here, level == 0);
         if walls.any() {
-            for cell in cells(here).filter(|cell| is_walled(walls, level, *cell, here.side())) {
+            for cell in here.cells().filter(|cell| is_walled(walls, level, *cell, here.side())) {
                 enclosed.put(cell, false);
                 others.set(cell);
             }
         }
-        let seam = |cell| Seam::new((share, decay, &open), level, (marks, i), cell, walls);
-        let seams = cells(&others).map(seam).collect();
-        Tier { marks: here.clone(), count: here.count(), all: runs(here), inner, runs: runs(&enclosed), seams }
+        let layout = Layout::new(here.side());
+        let seam = |cell| {
+            let sides = Direction::ALL.map(|d| Face::of(marks, i, cell, d));
+            let meeting = meetings.of(cell, &sides, here.side());
+            Seam { at: layout.index(cell) as u32, meeting, sides: sides.map(|side| side.place) }
+        };
+        let seams = others.cells().map(seam).collect();
+        let work = work(&enclosed, &others);
+        let (count, all, runs, meetings) = (here.count(), runs(here), runs(&enclosed), meetings.met);
+        Tier { marks: here.clone(), count, all, inner, runs, seams, meetings, work }
     }
 }
 
-/// What crosses the faces of a leaf where nothing stands in the way.
-struct Faces {
-    /// To a finer, an equal and a coarser leaf.
-    to: [Crossing; 3],
-    /// To the dark outside.
-    outside: Crossing,
-}
-
-impl Faces {
-    fn new(decay: &Decay, level: usize) -> Self {
-        let h = width(level);
-        // Level 0 has no finer one.
-        let finer = if level == 0 { Crossing::default() } else { Crossing::between(decay, h, 0.5 * h) };
-        let to = [finer, Crossing::between(decay, h, h), Crossing::between(decay, h, 2.0 * h)];
-        Faces { to, outside: Crossing::open(decay, h) }
-    }
-}
-
-/// The width of a cell of a level, in finest cells.
-fn width(level: usize) -> f64 {
-    f64::from(1u32 << level)
-}
-
-/// Whether anything stands in the way of light that enters a cell or one of its neighbours.
-fn is_walled(walls: &dyn Walls, level: usize, cell: Cell, n: usize) -> bool {
-    let shut = |cell| (0..3).any(|axis| walls.passes(level, cell, axis) < 1.0);
-    shut(cell) || Direction::ALL.iter().any(|d| d.neighbour(cell, n).is_some_and(shut))
+/// How much there is to do up to the end of every slab.
+fn work(inner: &Marks, seams: &Marks) -> Vec<usize> {
+    let slab = inner.side() * inner.words_per_row();
+    let count = |words: &[u64]| words.iter().map(|word| word.count_ones() as usize).sum::<usize>();
+    let slabs = inner.words().chunks_exact(slab).zip(seams.words().chunks_exact(slab));
+    let sum = |so_far: &mut usize, (inner, seams): (&[u64], &[u64])| {
+        *so_far += count(inner) + SEAM * count(seams);
+        Some(*so_far)
+    };
+    slabs.scan(0, sum).collect()
 }
 
 impl<T: Real> Inner<T> {
@@ -256,65 +240,6 @@ impl<T: Real> Inner<T> {
             epsilon: even * share.epsilon * residence[1],
         };
         Inner { share: cast(&share), stay: stay.map(T::of), residence: residence.map(T::of) }
-    }
-}
-
-impl<T: Real> Seam<T> {
-    /// A leaf of level `level`, which `marks` has at `i`.
-    fn new(
-        (share, decay, open): (&Share<f64>, &Decay, &Faces),
-        level: usize,
-        (marks, i): (&[Marks], usize),
-        cell: Cell,
-        walls: &dyn Walls,
-    ) -> Self {
-        let (here, h) = (&marks[i], width(level));
-        let place = |marks: &Marks, cell| Layout::new(marks.side()).index(cell) as u32;
-        let mut own = [Own::default(); 3];
-        let faces = Direction::ALL.map(|d| {
-            let (axis, up) = (d.axis(), d.is_positive());
-            let own = &mut own[axis];
-            let mut meets = |crossing: Crossing, times: f64| {
-                own.even += times * crossing.own.even;
-                own.odd += times * if up { crossing.own.odd } else { -crossing.own.odd };
-                [T::of(crossing.beyond.even), T::of(crossing.beyond.odd)]
-            };
-            let Some(next) = d.neighbour(cell, here.side()) else {
-                return (Side::Dark, meets(open.outside, 1.0));
-            };
-            // What lies beyond: its level, the cells that touch the face, and how the loops find them.
-            let parent = next.map(|c| c / 2);
-            let (coarser, touching, count, side) = if here.get(next) {
-                (1, [next; 4], 1, Side::Same(place(here, next)))
-            } else if let Some(above) = marks.get(i + 1).filter(|above| above.get(parent)) {
-                (2, [parent; 4], 1, Side::Coarser(place(above, parent)))
-            } else {
-                let mut first = next.map(|c| 2 * c);
-                first[axis] += usize::from(!up);
-                let four = [0, 1, 2, 3].map(|k| {
-                    let mut child = first;
-                    child[(axis + 1) % 3] += k & 1;
-                    child[(axis + 2) % 3] += k >> 1;
-                    child
-                });
-                (0, four, 4, Side::Finer(place(&marks[i - 1], first)))
-            };
-            if !walls.any() {
-                return (side, meets(open.to[coarser], f64::from(count)));
-            }
-            let (other, touching) = (level + coarser - 1, &touching[..count as usize]);
-            let mean = |of: &dyn Fn(Cell) -> f64| touching.iter().map(|cell| of(*cell)).sum::<f64>() / f64::from(count);
-            let enters = walls.passes(level, cell, axis);
-            let leaves = mean(&|cell| walls.passes(other, cell, axis));
-            let pass = meets(Crossing::behind(decay, h, width(other), [enters, leaves]), f64::from(count));
-            if leaves < 1.0 {
-                let mirrored = mean(&|cell| (1.0 - walls.passes(other, cell, axis)) * walls.mirrors(other, cell));
-                own.mirrored[usize::from(!up)] = enters * mirrored * decay.border(h) / h;
-            }
-            (side, pass)
-        });
-        let within = Within::new(share, own);
-        Seam { at: place(here, cell), sides: faces.map(|(side, _)| side), passes: faces.map(|(_, pass)| pass), within }
     }
 }
 

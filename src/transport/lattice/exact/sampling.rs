@@ -9,14 +9,18 @@
 //! times the same for the other two axes; all four coefficients alike. The division by m keeps the mean, whatever s.
 //!
 //! **The slope** is what makes the neighbour's c00 come out as it is: if light went on with the slope s beyond the
-//! border, a neighbour of hₙ planes whose centre is δ away would hold the mean c·e^(±sδ)·m(s, hₙ)/m(s, h). So
+//! border, a neighbour of hₙ planes whose centre is δ away would hold the mean c·e^(±sδ)·m(s, hₙ)/m(s, h). As
+//! sinh 2t = 2·sinh t·cosh t, m(s, 2h)/m(s, h) = cosh(sh/2). So with R = cₙ/c, w the smaller of the two widths and
+//! u = e^(±sw)
 //!
 //! ```text
-//! ln(cₙ/c) = ±s·δ + ln m(s, hₙ) − ln m(s, h)
+//! R = u                               of one size
+//! R = u^(3/2)·cosh(½·ln u) = ½(u² + u)     the neighbour twice as wide:  u = 4R/(1 + √(1 + 8R))
+//! R = u^(3/2)/cosh(½·ln u) = 2u²/(u + 1)   half as wide:                 u = ¼(R + √(R² + 8R))
 //! ```
 //!
-//! For cells of one size that is s = ±ln(cₙ/c)/h. Both sides give one; their mean is taken, within ±[`STEEPEST`]. A side
-//! without light, without positive light or outside the volume gives none. Finest cells need no slope.
+//! Both sides give a slope; their mean is taken, within ±[`STEEPEST`]. A side without light, without positive light or
+//! outside the volume gives none. Finest cells need no slope.
 
 use crate::field::Cell;
 
@@ -27,7 +31,7 @@ pub const STEEPEST: f64 = 2.5;
 /// A neighbour of a cell along an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Neighbour {
-    /// Its width in finest cells.
+    /// Its width in finest cells: the cell's own, or half or twice as much.
     pub width: f64,
     /// Its c00; the mean of all there are on this side.
     pub mean: f64,
@@ -41,52 +45,25 @@ pub fn slope(width: f64, mean: f64, [below, above]: [Option<Neighbour>; 2]) -> f
     }
     let towards = |there: Option<Neighbour>| {
         let there = there.filter(|there| there.mean > 0.0)?;
-        Some(outward(width, there.width, (there.mean / mean).ln()))
+        Some(outward(width, there.width, there.mean / mean))
     };
     let found = [towards(below).map(|s| -s), towards(above)];
     let count = found.iter().flatten().count();
     if count == 0 { 0.0 } else { found.into_iter().flatten().sum::<f64>() / count as f64 }
 }
 
-/// The slope towards a neighbour of `there` finest cells from one of `here`, where the neighbour's c00 is e^`rise` times as large.
-fn outward(here: f64, there: f64, rise: f64) -> f64 {
-    if here == there {
-        return (rise / here).clamp(-STEEPEST, STEEPEST);
-    }
-    let distance = 0.5 * (here + there);
-    // Newton's steps from the slope of points at the centres: the function is smooth and nearly straight, and its own
-    // slope lies between half the smaller width and the distance.
-    let mut s = (rise / distance).clamp(-STEEPEST, STEEPEST);
-    for _ in 0..8 {
-        let value = s * distance + log_mean(s, there) - log_mean(s, here) - rise;
-        let gradient = distance + log_mean_gradient(s, there) - log_mean_gradient(s, here);
-        let next = (s - value / gradient).clamp(-STEEPEST, STEEPEST);
-        if (next - s).abs() < 1e-7 {
-            return next;
-        }
-        s = next;
-    }
-    s
-}
-
-/// ln m(s, h).
-pub fn log_mean(s: f64, h: f64) -> f64 {
-    let s = s.abs();
-    if s * h < 1e-4 {
-        // To fourth order in sh, which is enough here.
-        return s * s * (h * h - 1.0) / 24.0;
-    }
-    // sinh(sh/2)/sinh(s/2) = e^(s(h−1)/2)·(1 − e^(−sh))/(1 − e^(−s))
-    0.5 * s * (h - 1.0) + ((-s * h).exp_m1() / (-s).exp_m1()).ln() - h.ln()
-}
-
-/// The derivative of [`log_mean`] by s.
-fn log_mean_gradient(s: f64, h: f64) -> f64 {
-    if (s * h).abs() < 1e-4 {
-        return s * (h * h - 1.0) / 12.0;
-    }
-    let coth = |x: f64| 1.0 / x.tanh();
-    0.5 * (h * coth(0.5 * s * h) - coth(0.5 * s))
+/// The slope towards a neighbour of `there` finest cells from one of `here`, whose c00 is `ratio` times as large.
+fn outward(here: f64, there: f64, ratio: f64) -> f64 {
+    // No square of it overflows, and what it stands for is far steeper than the steepest.
+    let ratio = ratio.min(1e150);
+    let u = if here == there {
+        ratio
+    } else if here < there {
+        4.0 * ratio / (1.0 + (1.0 + 8.0 * ratio).sqrt())
+    } else {
+        0.25 * (ratio + (ratio * (ratio + 8.0)).sqrt())
+    };
+    (u.ln() / here.min(there)).clamp(-STEEPEST, STEEPEST)
 }
 
 /// What the mean of a cell of `width` finest cells is multiplied with along one axis for each of its two halves:
@@ -118,9 +95,16 @@ fn shares(rise: f64) -> [f64; 2] {
 }
 
 /// What the mean of a cell of `width` finest cells is multiplied with at its planes, along one axis.
-pub fn planes(s: f64, width: usize) -> impl Iterator<Item = f64> {
-    let (h, level) = (width as f64, log_mean(s, width as f64));
-    (0..width).map(move |x| (s * (x as f64 + 0.5 - 0.5 * h) - level).exp())
+pub fn planes(s: f64, width: usize) -> Vec<f64> {
+    // From the bright end on, so that a slope and its opposite give the same numbers.
+    let fall = (-s.abs()).exp();
+    let mut planes: Vec<f64> = std::iter::successors(Some(1.0), |c| Some(c * fall)).take(width).collect();
+    let mean = planes.iter().sum::<f64>() / width as f64;
+    planes.iter_mut().for_each(|c| *c /= mean);
+    if s > 0.0 {
+        planes.reverse();
+    }
+    planes
 }
 
 /// The eight children of a cell with what they take of its mean, from what [`halves`] gives for each axis.
@@ -139,11 +123,14 @@ mod tests {
     fn planes_and_halves_keep_the_mean_whatever_the_slope() {
         for width in [2usize, 4, 32, 512] {
             for s in [0.0, 1e-7, -0.3, 1.1, STEEPEST, -STEEPEST] {
-                let mean = planes(s, width).sum::<f64>() / width as f64;
+                let planes = planes(s, width);
+                let mean = planes.iter().sum::<f64>() / width as f64;
                 assert!((mean - 1.0).abs() < 1e-9, "s = {s}, h = {width}: {mean}");
                 let [low, high] = halves(s, width as f64);
                 assert!((0.5 * (low + high) - 1.0).abs() < 1e-9, "s = {s}, h = {width}");
-                let first: f64 = planes(s, width).take(width / 2).sum::<f64>() / (width / 2) as f64;
+                let first = planes[..width / 2].iter().sum::<f64>() / (width / 2) as f64;
+                let [bright, next] = if s > 0.0 { [width - 1, width - 2] } else { [0, 1] };
+                assert!((planes[next] / planes[bright] - (-s.abs()).exp()).abs() < 1e-12);
                 assert!((first - low).abs() < 1e-9 * low.max(1.0));
             }
         }
@@ -159,7 +146,7 @@ mod tests {
         for (below, here, above) in [(4, 4, 4), (2, 4, 8), (8, 4, 2), (1, 2, 2)] {
             let neighbour = |from, width: i32| Some(Neighbour { width: f64::from(width), mean: mean(from, width) });
             let found = slope(f64::from(here), mean(0, here), [neighbour(-below, below), neighbour(here, above)]);
-            assert!((found - s).abs() < 1e-6, "{below}, {here}, {above}: {found}");
+            assert!((found - s).abs() < 1e-12, "{below}, {here}, {above}: {found}");
         }
     }
 

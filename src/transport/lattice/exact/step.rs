@@ -4,80 +4,115 @@
 //! one before it changed. So grids that hold a correction, the next one and the sum serve here as they do in a uniform
 //! volume, and where all leaves are finest cells the bits are the same.
 
+use std::ops::Range;
+
 use multiversion::multiversion;
 
-use super::leaves::{Inner, Leaves, Run, Seam, Side, Way};
-use crate::field::{Cell, Grid, Layout, Octree};
+use super::leaves::{Inner, Leaves, Run, Seam, Tier, Way};
+use super::meeting::{Beyond, Meeting};
+use crate::field::{Cell, Grid, Layout, Octree, Slabs};
 use crate::sh::{Real, Sh};
-use crate::transport::lattice::face::Direction;
 use crate::transport::lattice::kernel::form::Share;
+use crate::transport::lattice::kernel::step::pieces;
 use crate::transport::lattice::kernel::{FLOOR, settle, settle_number};
+use crate::transport::team;
 
 impl<T: Real> Leaves<T> {
     /// Sets every leaf of `target` to what the operator makes of `source`: P·a in step, (I − D)⁻¹·off·a ahead. In
-    /// `source` only leaves may be lit; in `target` only leaves are written.
+    /// `target` only leaves are written.
     pub fn apply(&self, source: &Octree<T>, target: &mut Octree<T>) {
         for i in self.levels() {
-            self.apply_level(i, |level| source.level(level), target.level_mut(i));
+            self.apply_level(i, |level| source.level(level), target.level_mut(i), None);
         }
     }
 
-    /// [`Self::apply`] for the leaves of level `i`; `source` gives the light of a level.
-    pub fn apply_level<'a>(&self, i: usize, source: impl Fn(usize) -> &'a Grid<T>, target: &mut Grid<T>) {
+    /// [`Self::apply`], and adds the new light to `sum`.
+    pub fn advance(&self, source: &Octree<T>, target: &mut Octree<T>, sum: &mut Octree<T>) {
+        for i in self.levels() {
+            self.apply_level(i, |level| source.level(level), target.level_mut(i), Some(sum.level_mut(i)));
+        }
+    }
+
+    /// [`Self::apply`] for the leaves of level `i`; `source` gives the light of a level. The new light is added to `sum`.
+    pub fn apply_level<'a>(
+        &self,
+        i: usize,
+        source: impl Fn(usize) -> &'a Grid<T>,
+        target: &mut Grid<T>,
+        sum: Option<&mut Grid<T>>,
+    ) {
         let tier = self.tier(i);
         if tier.count == 0 {
             return;
         }
         let here = source(i);
-        let planes = here.planes().each_ref().map(Vec::as_slice);
-        inner_runs(&tier.inner, &tier.runs, here.layout().steps(), planes, target.planes_mut());
         let levels = self.levels();
-        let finer = (i > levels.start).then(|| source(i - 1));
-        let coarser = (i + 1 < levels.end).then(|| source(i + 1));
-        let around = Around { here, finer: finer.unwrap_or(here), coarser: coarser.unwrap_or(here) };
-        let mut planes = target.planes_mut();
-        for seam in &tier.seams {
-            let light = settle(self.seam(seam, &around));
-            let at = seam.at as usize;
-            planes.iter_mut().zip(light.0).for_each(|(plane, c)| plane[at] = c);
-        }
-    }
-
-    fn seam(&self, seam: &Seam<T>, around: &Around<'_, T>) -> Sh<T> {
-        let mut received = Sh::ZERO;
-        for ((d, side), pass) in Direction::ALL.into_iter().zip(seam.sides).zip(seam.passes) {
-            let light = match side {
-                Side::Dark => continue,
-                Side::Same(at) => around.here.at(at as usize),
-                Side::Coarser(at) => around.coarser.at(at as usize),
-                Side::Finer(at) => four(around.finer, at as usize, d.axis()),
-            };
-            received += send(self.share(), pass, d, light);
-        }
-        match self.way() {
-            Way::InStep => received + seam.within.apply(around.here.at(seam.at as usize)),
-            Way::Ahead => seam.within.solve(received),
-        }
-    }
-
-    /// Adds to the leaves of level `i` what a source q amounts to: q in step, (I − D)⁻¹·q ahead.
-    pub fn add_source(&self, i: usize, source: &Grid<T>, target: &mut Grid<T>) {
-        let tier = self.tier(i);
-        let [mean, direction] = tier.inner.residence;
-        let (from, mut to) = (source.planes(), target.planes_mut());
-        for run in &tier.runs {
-            for (p, (from, to)) in from.iter().zip(&mut to).enumerate() {
-                let residence = if p == 0 { mean } else { direction };
-                let pairs = run.of_mut(to).iter_mut().zip(run.of(from));
-                pairs.for_each(|(to, from)| *to += *from * residence);
+        let finer = if i > levels.start { source(i - 1) } else { here };
+        let coarser = if i + 1 < levels.end { source(i + 1) } else { here };
+        let planes = |grid: &'a Grid<T>| grid.planes().each_ref().map(Vec::as_slice);
+        let around = Around {
+            here: planes(here),
+            finer: planes(finer),
+            coarser: planes(coarser),
+            steps: here.layout().steps(),
+            finer_steps: finer.layout().steps(),
+        };
+        let ends = tier.ends();
+        let sums: Vec<Option<Slabs<'_, T>>> = match sum {
+            Some(sum) => sum.cut(&ends).into_iter().map(Some).collect(),
+            None => ends.iter().map(|_| None).collect(),
+        };
+        let parts = target.cut(&ends).into_iter().zip(sums);
+        team::share(parts.collect(), |(mut target, sum): (Slabs<'_, T>, Option<Slabs<'_, T>>)| {
+            let range = target.places();
+            let begin = target.begin();
+            inner_runs(&tier.inner, among(&tier.runs, |run| run.at, &range), &around, begin, target.planes_mut());
+            let seams = among(&tier.seams, |seam| seam.at as usize, &range);
+            match self.way() {
+                Way::InStep => seams_in_step(seams, &tier.meetings, &around, begin, target.planes_mut()),
+                Way::Ahead => seams_ahead(seams, &tier.meetings, &around, begin, target.planes_mut()),
             }
-        }
-        for seam in &tier.seams {
-            let at = seam.at as usize;
-            let light = match self.way() {
-                Way::InStep => source.at(at),
-                Way::Ahead => seam.within.solve(source.at(at)),
-            };
+            if let Some(mut sum) = sum {
+                let all = among(&tier.all, |run| run.at, &range);
+                for (from, to) in target.planes_mut().into_iter().zip(sum.planes_mut()) {
+                    pairs(all, begin, from, to, |from, to| *to += *from);
+                }
+            }
+        });
+    }
+
+    /// Makes `light`, the means a, what `next` has for all leaves of level `i`, and `next` the change.
+    pub fn exchange(&self, i: usize, next: &mut Grid<T>, light: &mut Grid<T>) {
+        let tier = self.tier(i);
+        let ends = tier.ends();
+        let parts = next.cut(&ends).into_iter().zip(light.cut(&ends));
+        team::share(parts.collect(), |(mut next, mut light): (Slabs<'_, T>, Slabs<'_, T>)| {
+            let all = among(&tier.all, |run| run.at, &next.places());
+            let begin = next.begin();
+            for (next, light) in next.planes_mut().into_iter().zip(light.planes_mut()) {
+                pairs(all, begin, next, light, |next, light| {
+                    let new = *next;
+                    *next = new - *light;
+                    *light = new;
+                });
+            }
+        });
+    }
+
+    /// Adds to the leaves of level `i` what a source q amounts to: q in step, (I − D)⁻¹·q ahead. The source is given by
+    /// cells in the order of memory; those that are no leaves are left out.
+    pub fn add_source<'a>(&self, i: usize, source: impl IntoIterator<Item = &'a (Cell, Sh<T>)>, target: &mut Grid<T>) {
+        let tier = self.tier(i);
+        let layout = target.layout();
+        let mut to = target.planes_mut();
+        let mut seams = tier.seams.as_slice();
+        for (cell, light) in source.into_iter().filter(|(cell, _)| tier.marks.get(*cell)) {
+            let at = layout.index(*cell);
+            while seams.first().is_some_and(|seam| (seam.at as usize) < at) {
+                seams = &seams[1..];
+            }
+            let seam = seams.first().filter(|seam| seam.at as usize == at);
+            let light = self.amount(tier, seam, *light);
             to.iter_mut().zip(light.0).for_each(|(plane, c)| plane[at] += c);
         }
     }
@@ -86,10 +121,16 @@ impl<T: Real> Leaves<T> {
     pub fn amounts_to(&self, i: usize, cell: Cell, source: Sh<T>) -> Sh<T> {
         let tier = self.tier(i);
         let at = Layout::new(tier.marks.side()).index(cell) as u32;
-        match (tier.seams.binary_search_by_key(&at, |seam| seam.at), self.way()) {
-            (Ok(_), Way::InStep) => source,
-            (Ok(found), Way::Ahead) => tier.seams[found].within.solve(source),
-            (Err(_), _) => {
+        let seam = tier.seams.binary_search_by_key(&at, |seam| seam.at).ok();
+        self.amount(tier, seam.map(|found| &tier.seams[found]), source)
+    }
+
+    /// What a source amounts to in a leaf at a seam, or in an inner one.
+    fn amount(&self, tier: &Tier<T>, seam: Option<&Seam>, source: Sh<T>) -> Sh<T> {
+        match (seam, self.way()) {
+            (Some(_), Way::InStep) => source,
+            (Some(seam), Way::Ahead) => tier.meetings[seam.meeting as usize].within.solve(source),
+            (None, _) => {
                 let ([mean, direction], Sh([c, x, y, z])) = (tier.inner.residence, source);
                 Sh([c * mean, x * direction, y * direction, z * direction])
             }
@@ -116,39 +157,39 @@ impl<T: Real> Leaves<T> {
         self.levels().map(of_level).fold(0.0, f64::max)
     }
 
-    /// Copies the light of all leaves.
-    pub fn copy(&self, from: &Octree<T>, to: &mut Octree<T>) {
-        self.each(from, to, |to, from| *to = from);
-    }
-
-    /// Adds the light of all leaves.
-    pub fn add(&self, from: &Octree<T>, to: &mut Octree<T>) {
-        self.each(from, to, |to, from| *to += from);
-    }
-
-    /// Subtracts the light of all leaves.
-    pub fn subtract(&self, from: &Octree<T>, to: &mut Octree<T>) {
-        self.each(from, to, |to, from| *to += -from);
-    }
-
-    /// Makes all leaves dark.
-    pub fn clear(&self, light: &mut Octree<T>) {
-        for i in self.levels() {
-            for plane in light.level_mut(i).planes_mut() {
-                self.tier(i).all.iter().for_each(|run| run.of_mut(plane).fill(T::ZERO));
-            }
+    /// Makes the leaves of level `i` dark.
+    pub fn clear_level(&self, i: usize, light: &mut Grid<T>) {
+        for plane in light.planes_mut() {
+            self.tier(i).all.iter().for_each(|run| run.of_mut(plane).fill(T::ZERO));
         }
     }
+}
 
-    #[inline(always)]
-    fn each(&self, from: &Octree<T>, to: &mut Octree<T>, what: impl Fn(&mut T, T) + Copy) {
-        for i in self.levels() {
-            for (from, to) in from.level(i).planes().iter().zip(to.level_mut(i).planes_mut()) {
-                for run in &self.tier(i).all {
-                    run.of_mut(to).iter_mut().zip(run.of(from)).for_each(|(to, from)| what(to, *from));
-                }
-            }
-        }
+impl<T> Tier<T> {
+    /// Where runs of slabs end that take about the same time, as many as threads go well with.
+    fn ends(&self) -> Vec<usize> {
+        let all = self.work.last().copied().unwrap_or_default();
+        let pieces = pieces(rayon::current_num_threads(), all);
+        let end = |k: usize| self.work.partition_point(|work| work * pieces < k * all) + 1;
+        let mut ends: Vec<usize> = (1..pieces).map(end).chain([self.marks.side()]).collect();
+        ends.dedup();
+        ends
+    }
+}
+
+/// Those of `items`, which are in the order of memory, that lie at these places.
+fn among<'a, I>(items: &'a [I], at: impl Fn(&I) -> usize, places: &Range<usize>) -> &'a [I] {
+    let first = items.partition_point(|item| at(item) < places.start);
+    let end = items.partition_point(|item| at(item) < places.end);
+    &items[first..end]
+}
+
+/// Does something with every pair of numbers of the runs, in parts of planes that begin at `begin`.
+#[inline(always)]
+fn pairs<T>(runs: &[Run], begin: usize, a: &mut [T], b: &mut [T], what: impl Fn(&mut T, &mut T)) {
+    for run in runs {
+        let range = run.at - begin..run.at - begin + run.length;
+        a[range.clone()].iter_mut().zip(&mut b[range]).for_each(|(a, b)| what(a, b));
     }
 }
 
@@ -162,60 +203,119 @@ impl Run {
     }
 }
 
-/// The light that leaves of a level look at.
+/// The light that leaves of a level look at, and the steps from cell to cell in planes of it.
 struct Around<'a, T> {
-    here: &'a Grid<T>,
-    finer: &'a Grid<T>,
-    coarser: &'a Grid<T>,
+    here: [&'a [T]; 4],
+    finer: [&'a [T]; 4],
+    coarser: [&'a [T]; 4],
+    steps: [usize; 3],
+    finer_steps: [usize; 3],
 }
 
-/// The sum of the four cells that lie beside each other across `axis`, from the first on.
-fn four<T: Real>(grid: &Grid<T>, at: usize, axis: usize) -> Sh<T> {
-    let steps = grid.layout().steps();
-    let (u, v) = (steps[(axis + 1) % 3], steps[(axis + 2) % 3]);
-    (grid.at(at) + grid.at(at + u)) + (grid.at(at + v) + grid.at(at + u + v))
+impl<T: Real> Around<'_, T> {
+    /// What comes in at a seam.
+    #[inline(always)]
+    fn received(&self, seam: &Seam, meeting: &Meeting<T>) -> Sh<T> {
+        let mut sum = Sh::ZERO;
+        self.receive::<0>([0, 1], seam, meeting, &mut sum);
+        self.receive::<1>([2, 3], seam, meeting, &mut sum);
+        self.receive::<2>([4, 5], seam, meeting, &mut sum);
+        sum
+    }
+
+    /// Adds what comes in through the two faces across an axis.
+    #[inline(always)]
+    fn receive<const AXIS: usize>(&self, faces: [usize; 2], seam: &Seam, meeting: &Meeting<T>, sum: &mut Sh<T>) {
+        for face in faces {
+            let at = seam.sides[face] as usize;
+            let light = match meeting.beyond[face] {
+                Beyond::Dark => continue,
+                Beyond::Same => at_place(self.here, at),
+                Beyond::Coarser => at_place(self.coarser, at),
+                Beyond::Finer => {
+                    let (u, v) = (self.finer_steps[(AXIS + 1) % 3], self.finer_steps[(AXIS + 2) % 3]);
+                    let there = |at| at_place(self.finer, at);
+                    (there(at) + there(at + u)) + (there(at + v) + there(at + u + v))
+                }
+            };
+            let Share { alpha, beta, gamma, delta, epsilon } = meeting.shares[face];
+            let [c, along] = [light.0[0], light.0[1 + AXIS]];
+            sum.0[0] += alpha * c + beta * along;
+            sum.0[1 + AXIS] += gamma * c + delta * along;
+            sum.0[1 + (AXIS + 1) % 3] += epsilon * light.0[1 + (AXIS + 1) % 3];
+            sum.0[1 + (AXIS + 2) % 3] += epsilon * light.0[1 + (AXIS + 2) % 3];
+        }
+    }
 }
 
-/// What comes in through the face in direction `d` from the light beyond it: `pass` are the multiples of the even and
-/// of the odd numbers of the share.
-#[inline]
-fn send<T: Real>(share: &Share<T>, [even, odd]: [T; 2], d: Direction, light: Sh<T>) -> Sh<T> {
-    let axis = d.axis() + 1;
-    let Sh([c, v @ ..]) = light;
-    let outward = if d.is_positive() { v[axis - 1] } else { -v[axis - 1] };
-    let mut sent = light.0.map(|c| even * share.epsilon * c);
-    sent[0] = even * share.alpha * c + odd * share.beta * outward;
-    let along = odd * share.gamma * c + even * share.delta * outward;
-    sent[axis] = if d.is_positive() { along } else { -along };
-    Sh(sent)
+#[inline(always)]
+fn at_place<T: Real>(planes: [&[T]; 4], at: usize) -> Sh<T> {
+    let [c, x, y, z] = planes;
+    Sh([c[at], x[at], y[at], z[at]])
+}
+
+#[inline(always)]
+fn seams<T: Real>(
+    seams: &[Seam],
+    meetings: &[Meeting<T>],
+    around: &Around<'_, T>,
+    begin: usize,
+    [c, x, y, z]: [&mut [T]; 4],
+    stays: impl Fn(&Meeting<T>, Sh<T>, usize) -> Sh<T>,
+) {
+    for seam in seams {
+        let meeting = &meetings[seam.meeting as usize];
+        let at = seam.at as usize;
+        let light = settle(stays(meeting, around.received(seam, meeting), at));
+        let to = at - begin;
+        [c[to], x[to], y[to], z[to]] = light.0;
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
+fn seams_in_step<T: Real>(
+    of: &[Seam],
+    meetings: &[Meeting<T>],
+    around: &Around<'_, T>,
+    begin: usize,
+    to: [&mut [T]; 4],
+) {
+    let stays = |meeting: &Meeting<T>, received, at| received + meeting.within.apply(at_place(around.here, at));
+    seams(of, meetings, around, begin, to, stays);
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
+fn seams_ahead<T: Real>(of: &[Seam], meetings: &[Meeting<T>], around: &Around<'_, T>, begin: usize, to: [&mut [T]; 4]) {
+    seams(of, meetings, around, begin, to, |meeting, received, _| meeting.within.solve(received));
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
 fn inner_runs<T: Real>(
     inner: &Inner<T>,
     runs: &[Run],
-    steps: [usize; 3],
-    [c, x, y, z]: [&[T]; 4],
+    around: &Around<'_, T>,
+    begin: usize,
     [to_c, to_x, to_y, to_z]: [&mut [T]; 4],
 ) {
     let Inner { share, stay: [mean, direction], .. } = *inner;
-    let [dx, dy, dz] = steps;
+    let Around { here: [c, x, y, z], steps: [dx, dy, dz], .. } = *around;
     for &Run { at, length } in runs {
         let beside = |plane, step| beside(plane, at, step, length);
         let (cx, cy, cz) = (beside(c, dx), beside(c, dy), beside(c, dz));
         let own = |plane| cut(plane, at, length);
+        let to = at - begin..at - begin + length;
         row_mean(
             &share,
             mean,
             own(c),
             [cx, cy, cz],
             [beside(x, dx), beside(y, dy), beside(z, dz)],
-            &mut to_c[at..at + length],
+            &mut to_c[to.clone()],
         );
         let along = |axis, along, p, q, own, to| row_direction(&share, direction, own, [axis, along, p, q], to);
-        along(cx, beside(x, dx), beside(x, dy), beside(x, dz), own(x), &mut to_x[at..at + length]);
-        along(cy, beside(y, dy), beside(y, dx), beside(y, dz), own(y), &mut to_y[at..at + length]);
-        along(cz, beside(z, dz), beside(z, dx), beside(z, dy), own(z), &mut to_z[at..at + length]);
+        along(cx, beside(x, dx), beside(x, dy), beside(x, dz), own(x), &mut to_x[to.clone()]);
+        along(cy, beside(y, dy), beside(y, dx), beside(y, dz), own(y), &mut to_y[to.clone()]);
+        along(cz, beside(z, dz), beside(z, dx), beside(z, dy), own(z), &mut to_z[to.clone()]);
     }
 }
 

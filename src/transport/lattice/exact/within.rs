@@ -22,6 +22,11 @@ pub(super) struct Within<T> {
     inward: [T; 3],
     /// The direction from c00.
     outward: [T; 3],
+    /// 1/(1 − direction).
+    residence: [T; 3],
+    /// (I − D)⁻¹ from the direction, and from c00 itself, to c00.
+    through: [T; 3],
+    whole: T,
 }
 
 impl<T: Real> Within<T> {
@@ -36,15 +41,28 @@ impl<T: Real> Within<T> {
             delta * (2.0 + own.even - back) + epsilon * (4.0 + (even - own.even) + (mirrored - back))
         };
         let turned = |own: &Own| own.mirrored[0] - own.mirrored[1];
+        let mean = alpha * (6.0 + even + mirrored);
+        let direction = own.map(|own| direction(&own));
+        let inward = own.map(|own| beta * (own.odd + turned(&own)));
+        let outward = own.map(|own| gamma * (own.odd - turned(&own)));
+        // The directions, put into the equation of c00.
+        let residence = direction.map(|direction| 1.0 / (1.0 - direction));
+        let back: f64 = (0..3).map(|k| inward[k] * residence[k] * outward[k]).sum();
+        let whole = 1.0 / (1.0 - mean - back);
+        let through = [0, 1, 2].map(|k| whole * inward[k] * residence[k]);
         Within {
-            mean: T::of(alpha * (6.0 + even + mirrored)),
-            direction: own.map(|own| T::of(direction(&own))),
-            inward: own.map(|own| T::of(beta * (own.odd + turned(&own)))),
-            outward: own.map(|own| T::of(gamma * (own.odd - turned(&own)))),
+            mean: T::of(mean),
+            direction: direction.map(T::of),
+            inward: inward.map(T::of),
+            outward: outward.map(T::of),
+            residence: residence.map(T::of),
+            through: through.map(T::of),
+            whole: T::of(whole),
         }
     }
 
     /// D·a
+    #[inline(always)]
     pub(super) fn apply(&self, Sh([c, v @ ..]): Sh<T>) -> Sh<T> {
         let axis = |k: usize| self.outward[k] * c + self.direction[k] * v[k];
         let mean = self.mean * c + (self.inward[0] * v[0] + self.inward[1] * v[1] + self.inward[2] * v[2]);
@@ -52,16 +70,10 @@ impl<T: Real> Within<T> {
     }
 
     /// (I − D)⁻¹·r
+    #[inline(always)]
     pub(super) fn solve(&self, Sh([c, v @ ..]): Sh<T>) -> Sh<T> {
-        let one = T::of(1.0);
-        let (mut sum, mut left) = (c, one - self.mean);
-        for (k, along) in v.iter().enumerate() {
-            let through = self.inward[k] / (one - self.direction[k]);
-            sum += through * *along;
-            left += -(through * self.outward[k]);
-        }
-        let mean = sum / left;
-        let axis = |k: usize| (v[k] + self.outward[k] * mean) / (one - self.direction[k]);
+        let mean = self.whole * c + (self.through[0] * v[0] + self.through[1] * v[1] + self.through[2] * v[2]);
+        let axis = |k: usize| (v[k] + self.outward[k] * mean) * self.residence[k];
         Sh([mean, axis(0), axis(1), axis(2)])
     }
 }
