@@ -7,6 +7,7 @@ mod cells;
 mod compare;
 pub mod console;
 mod course;
+mod descent;
 mod identify;
 mod load;
 mod mesh_scene;

@@ -7,6 +7,7 @@ pub mod difference;
 pub mod expectation;
 pub mod fit;
 pub mod identify;
+mod kept;
 pub mod laws;
 pub mod light;
 pub mod motion;

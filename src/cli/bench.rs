@@ -8,12 +8,14 @@ use clap::Args;
 use indicatif::ProgressBar;
 
 use super::console::{self, say};
+use super::descent::DescentArgs;
 use super::output::Folder;
 use super::{CliError, SceneArgs};
 use crate::report::colour::Theme;
 use crate::report::plot::{Curve, Dash, Figure, Plot};
 use crate::report::table::Table;
 use crate::scene::Problem;
+use crate::scene::propagation::descent::Descent;
 use crate::study::benchmark::{self, BenchmarkError, Fading, KernelRow, Pipeline, THESIS_MILLISECONDS};
 use crate::study::pareto::synthetic;
 use crate::transport::team;
@@ -48,6 +50,9 @@ pub struct BenchArgs {
     /// The propagation factor for time against error [default: 3, or the presets' own]
     #[arg(long, value_parser = super::pareto::factor, allow_negative_numbers = true)]
     factor: Option<f64>,
+    /// What a descent goes over, for time against error: one more way to treat the levels.
+    #[command(flatten)]
+    descent: DescentArgs,
     /// Sides of the volumes in which the fixed point is iterated to and solved for; 0 to leave it out
     #[arg(long, value_name = "N,N,...", value_delimiter = ',', default_values_t = [32, 64], value_parser = side_or_none)]
     converged: Vec<usize>,
@@ -140,11 +145,21 @@ fn without_none(sizes: &[usize]) -> Vec<usize> {
 fn scenes(args: &BenchArgs) -> Result<Vec<(String, Problem)>, CliError> {
     if args.presets.is_empty() {
         let sizes = without_none(&args.pareto).into_iter();
+        let descent = args.descent.of(Descent::Off)?;
         let made = sizes.flat_map(|size| synthetic::scenes(size, args.factor.unwrap_or(3.0)));
-        return Ok(made.map(|(name, problem)| (name.to_owned(), problem)).collect());
+        let descending = |(name, mut problem): (&str, Problem)| {
+            problem.propagation.descent = descent;
+            (name.to_owned(), problem)
+        };
+        return Ok(made.map(descending).collect());
     }
     let preset = |path: &PathBuf| {
-        let scene_args = SceneArgs { preset: path.clone(), factor: args.factor, ..SceneArgs::default() };
+        let scene_args = SceneArgs {
+            preset: path.clone(),
+            factor: args.factor,
+            descent: args.descent.clone(),
+            ..SceneArgs::default()
+        };
         Ok((scene_args.stem(), scene_args.load()?.1))
     };
     args.presets.iter().map(preset).collect()

@@ -8,6 +8,7 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::console::{self, say};
+use super::descent::DescentArgs;
 use super::load::{DeviceArg, told};
 use super::numbers::{decimal, whole};
 use super::output::Folder;
@@ -51,6 +52,9 @@ pub struct CompareArgs {
     /// The propagation factor, p
     #[arg(long, value_name = "P", value_parser = decimal, allow_negative_numbers = true)]
     factor: Option<f64>,
+    /// What a descent goes over.
+    #[command(flatten)]
+    descent: DescentArgs,
     /// Hold the second of two presets of one size against the first, each under its own scheme if none is given
     #[arg(long)]
     difference: bool,
@@ -76,6 +80,7 @@ impl CompareArgs {
             preset: preset.to_path_buf(),
             iterations: self.iterations,
             factor: self.factor,
+            descent: self.descent.clone(),
             ..SceneArgs::default()
         }
     }

@@ -7,11 +7,12 @@ use clap::{Args, ValueEnum};
 
 use super::CliError;
 use super::console::remark;
+use super::descent::DescentArgs;
 use super::numbers::{decimal, whole};
 use crate::scene::doubts::doubts;
 use crate::scene::preset::LONGEST;
 use crate::scene::propagation::Policy;
-use crate::scene::propagation::descent::{Descent, Inside};
+use crate::scene::propagation::descent::Inside;
 use crate::scene::propagation::directions::Rule;
 use crate::scene::{Preset, Problem, SceneError, builtin, file};
 use crate::simulation::Simulation;
@@ -39,16 +40,9 @@ pub struct SceneArgs {
     /// How the operator follows from the octree level: same, one factor for all; consistent or exact, levels that agree
     #[arg(long, value_name = "POLICY", value_parser = policy)]
     pub levels: Option<Policy>,
-    /// Let the coarse levels start the fine ones: over all cells of a level, over leaves, or over nested cascades;
-    /// --iterations are then those of every level
-    #[arg(long, value_name = "TILING")]
-    pub descent: Option<DescentArg>,
-    /// How far leaves are from injected light, in halves of their width
-    #[arg(long, value_name = "R", value_parser = super::octree::distance)]
-    pub leaf_distance: Option<f64>,
-    /// Cells along a side of every nested cascade
-    #[arg(long, value_name = "C", value_parser = whole, allow_negative_numbers = true)]
-    pub cascade_side: Option<usize>,
+    /// What a descent goes over.
+    #[command(flatten)]
+    pub descent: DescentArgs,
     /// How a descent shows the light of coarse cells in the finest ones
     #[arg(long, value_name = "SHAPE")]
     pub inside: Option<InsideArg>,
@@ -105,21 +99,6 @@ pub fn told(why: Option<String>) {
     }
 }
 
-/// What a descent goes over.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum DescentArg {
-    /// No descent: every level is propagated by itself
-    Off,
-    /// All cells of one level after the other
-    Cells,
-    /// Leaves, the larger the farther from injected light
-    Leaves,
-    /// Nested cascades about the preset's point, or the volume's middle, that exchange light across their borders
-    Cascades,
-    /// Nested cascades that are propagated each by itself, all at once: no descent
-    CascadesAlone,
-}
-
 /// What coarse cells show inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum InsideArg {
@@ -146,7 +125,7 @@ impl SceneArgs {
         if let Some(levels) = self.levels {
             propagation.levels = levels;
         }
-        propagation.descent = self.descent(propagation.descent)?;
+        propagation.descent = self.descent.of(propagation.descent)?;
         if let Some(inside) = self.inside {
             propagation.inside = match inside {
                 InsideArg::Exponential => Inside::Exponential,
@@ -172,36 +151,6 @@ impl SceneArgs {
             remark!("warning: {}", SceneError::from(doubt).at_its_place(&text, &self.preset));
         }
         Ok((preset, problem))
-    }
-
-    /// The descent asked for, where the preset's own is `preset`.
-    fn descent(&self, preset: Descent) -> Result<Descent, CliError> {
-        let distance = match preset {
-            Descent::Leaves { distance } => distance,
-            _ => Descent::DISTANCE,
-        };
-        let (side, center) = match preset {
-            Descent::Cascades { side, center, .. } => (side, center),
-            _ => (Descent::SIDE, None),
-        };
-        let distance = self.leaf_distance.unwrap_or(distance);
-        let side = self.cascade_side.unwrap_or(side);
-        let descent = match (self.descent, preset) {
-            (Some(DescentArg::Off), _) => Descent::Off,
-            (Some(DescentArg::Cells), _) => Descent::Cells,
-            (Some(DescentArg::Leaves), _) | (None, Descent::Leaves { .. }) => Descent::Leaves { distance },
-            (Some(DescentArg::Cascades), _) => Descent::Cascades { side, center, alone: false },
-            (Some(DescentArg::CascadesAlone), _) => Descent::Cascades { side, center, alone: true },
-            (None, Descent::Cascades { alone, .. }) => Descent::Cascades { side, center, alone },
-            (None, other) => other,
-        };
-        if self.leaf_distance.is_some() && !matches!(descent, Descent::Leaves { .. }) {
-            return Err(CliError::Input("--leaf-distance is for leaves: write --descent leaves, too".to_owned()));
-        }
-        if self.cascade_side.is_some() && !matches!(descent, Descent::Cascades { .. }) {
-            return Err(CliError::Input("--cascade-side is for cascades: write --descent cascades, too".to_owned()));
-        }
-        Ok(descent)
     }
 
     /// What people see of the preset in a line: its title, or its file's name.

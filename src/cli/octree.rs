@@ -31,8 +31,8 @@ use crate::study::pareto::synthetic;
 pub struct OctreeArgs {
     /// Presets, files or names of built-in ones [default: one wall, two walls and a lone lobe, made at --size]
     presets: Vec<PathBuf>,
-    /// The side of the volumes that are made
-    #[arg(long, value_name = "N", default_value_t = 32, value_parser = side)]
+    /// The side of the volumes that are made; presets have their own
+    #[arg(long, value_name = "N", default_value_t = 32, value_parser = side, conflicts_with = "presets")]
     size: usize,
     /// Propagation factors [default: the presets' own, or 3.8]
     #[arg(long, value_name = "P,P,...", value_delimiter = ',', value_parser = super::pareto::factor)]

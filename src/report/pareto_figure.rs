@@ -47,6 +47,7 @@ pub fn shape(treatment: Treatment) -> Shape {
         Treatment::Uniform => Shape::Disc,
         Treatment::Octree(Policy::Same) => Shape::Square,
         Treatment::Octree(Policy::Consistent | Policy::Exact) => Shape::Triangle,
+        Treatment::Descent => Shape::Diamond,
         Treatment::Converged => Shape::Cross,
     }
 }
@@ -58,6 +59,7 @@ pub fn treatment_summary(treatment: Treatment) -> &'static str {
         Treatment::Octree(Policy::Same) => "one factor for all levels",
         Treatment::Octree(Policy::Consistent) => "consistent levels",
         Treatment::Octree(Policy::Exact) => "exact levels",
+        Treatment::Descent => "a descent, coarse levels first",
         Treatment::Converged => "fixed point, solved for",
     }
 }

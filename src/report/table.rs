@@ -226,7 +226,7 @@ pub fn pareto(rows: &[&pareto::Row]) -> Table<9> {
         table.push([
             row.preset.as_str().into(),
             Value::Text(row.name()),
-            row.treatment.name().into(),
+            Value::Text(row.levels()),
             row.size.into(),
             row.iterations.into(),
             row.seconds.into(),

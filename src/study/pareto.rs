@@ -34,16 +34,19 @@ pub enum Treatment {
     Uniform,
     /// All levels down to 1³ under a policy.
     Octree(Policy),
+    /// All levels down to 1³, the coarse ones starting the fine ones: the descent that a scene asks for.
+    Descent,
     /// The fixed point of the finest level, solved for.
     Converged,
 }
 
 impl Treatment {
     /// All there are.
-    pub const ALL: [Treatment; 4] = [
+    pub const ALL: [Treatment; 5] = [
         Treatment::Uniform,
         Treatment::Octree(Policy::Same),
         Treatment::Octree(Policy::Consistent),
+        Treatment::Descent,
         Treatment::Converged,
     ];
 
@@ -52,6 +55,7 @@ impl Treatment {
         match self {
             Treatment::Uniform => "uniform",
             Treatment::Octree(policy) => policy.name(),
+            Treatment::Descent => "descent",
             Treatment::Converged => "converged",
         }
     }
@@ -87,6 +91,14 @@ impl Row {
     /// Its setting in a few words: scheme, iterations, factor.
     pub fn setting(&self) -> String {
         format!("{}, k = {}, p = {}", self.name(), self.iterations, self.propagation.factor)
+    }
+
+    /// How the levels are treated; of a descent, over what it goes.
+    pub fn levels(&self) -> String {
+        match self.treatment {
+            Treatment::Descent => format!("{}-{}", self.treatment.name(), self.propagation.descent.name()),
+            other => other.name().to_owned(),
+        }
     }
 
     /// The setting's name in tables, as its kind has it.

@@ -13,6 +13,7 @@ use crate::scene::propagation::{Policy, Propagation, Snapshots};
 use crate::sh::Real;
 use crate::simulation::options::Wanted;
 use crate::simulation::{Action, Light, Refusal, Simulation};
+use crate::study::kept::Kept;
 use crate::transport;
 use crate::transport::kind::Precision;
 
@@ -25,18 +26,33 @@ const LOOK_AFTER: usize = 20;
 /// Light of the newest snapshot over all light, under which it has died out.
 const DIED_OUT: f64 = 1e-6;
 
+/// The uniform volume that stands beside a descent: the finest level alone, and all the light there could be in it.
+#[derive(Debug)]
+struct Beside {
+    problem: Problem,
+    light: Vec<Grid<f32>>,
+}
+
+/// Scenes and runs of the same scene that are looked at in turn.
+static BESIDE: Kept<Beside> = Kept::new(2);
+
 /// Each channel's accumulated light in the uniform volume of the same size and scheme: after as many iterations, or, as
-/// a descent has no uniform volume beside it, after all there could be.
-pub fn uniform<T: Real>(simulation: &Simulation<T>) -> Vec<Grid<T>> {
-    let own = || simulation.lights().iter().map(|light| light.accumulated.level(0).clone()).collect();
+/// a descent has no uniform volume beside it, after all there could be. `None` where that grows out of the range of
+/// numbers, or memory is short.
+pub fn uniform<T: Real>(simulation: &Simulation<T>) -> Option<Vec<Grid<T>>> {
     if simulation.problem().propagation.descent == Descent::Off {
-        return own();
+        return Some(finest_level(simulation));
     }
-    match transport::solve(&finest(simulation.problem()), TOLERANCE, |_| true) {
-        Ok(Some(found)) => found.light.iter().map(cast).collect(),
-        // Light that grows for ever has no fixed point.
-        _ => own(),
-    }
+    let mut problem = finest(simulation.problem());
+    // All of them, however many the run takes.
+    problem.propagation.iterations = 0;
+    let made = || Some(Beside { light: all_light(&problem).ok()??, problem: problem.clone() });
+    let beside = BESIDE.get(|beside| beside.problem == problem, made)?;
+    Some(beside.light.iter().map(cast).collect())
+}
+
+fn finest_level<T: Real>(simulation: &Simulation<T>) -> Vec<Grid<T>> {
+    simulation.lights().iter().map(|light| light.accumulated.level(0).clone()).collect()
 }
 
 fn cast<T: Real>(light: &Grid<f32>) -> Grid<T> {
@@ -65,11 +81,15 @@ pub fn injected<T: Precision>(problem: &Problem) -> Result<Simulation<T>, Refusa
 /// the solver refuses. `None` where the light grows out of the range of numbers.
 pub fn fixed_point(problem: &Problem) -> Result<Option<Vec<Grid<f32>>>, Refusal> {
     let propagation = Propagation { snapshots: Snapshots::Thesis, ..problem.propagation.clone() };
-    let problem = Problem { propagation, ..problem.clone() };
-    if let Ok(Some(found)) = transport::solve(&problem, TOLERANCE, |_| true) {
+    all_light(&Problem { propagation, ..finest(problem) })
+}
+
+/// [`fixed_point()`] of a single level, of those snapshots that count.
+fn all_light(problem: &Problem) -> Result<Option<Vec<Grid<f32>>>, Refusal> {
+    if let Ok(Some(found)) = transport::solve(problem, TOLERANCE, |_| true) {
         return Ok(Some(found.light));
     }
-    let mut simulation = injected::<f32>(&problem)?;
+    let mut simulation = injected::<f32>(problem)?;
     let energy = |of: &Grid<f32>| of.energy().abs();
     while simulation.iteration() < FOR_EVER {
         simulation.advance(LOOK_AFTER, Wanted::Everything);
@@ -82,5 +102,5 @@ pub fn fixed_point(problem: &Problem) -> Result<Option<Vec<Grid<f32>>>, Refusal>
             break;
         }
     }
-    Ok(Some(uniform(&simulation)))
+    Ok(Some(finest_level(&simulation)))
 }

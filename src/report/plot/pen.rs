@@ -27,6 +27,8 @@ pub enum Shape {
     Square,
     /// A full triangle that points up.
     Triangle,
+    /// A full square on its corner.
+    Diamond,
     /// Two lines.
     Cross,
 }
@@ -41,6 +43,7 @@ pub(super) fn draw_point(svg: &mut Svg, shape: Shape, [x, y]: [f64; 2], radius: 
             path.polygon([corner(-0.9, -0.9), corner(0.9, -0.9), corner(0.9, 0.9), corner(-0.9, 0.9)]);
         }
         Shape::Triangle => path.polygon([corner(0.0, -1.2), corner(1.1, 0.8), corner(-1.1, 0.8)]),
+        Shape::Diamond => path.polygon([corner(0.0, -1.2), corner(1.2, 0.0), corner(0.0, 1.2), corner(-1.2, 0.0)]),
         Shape::Cross => {
             for [from, to] in [[corner(-1.0, -1.0), corner(1.0, 1.0)], [corner(-1.0, 1.0), corner(1.0, -1.0)]] {
                 svg.line(from, to, Stroke::solid(color, 0.5 * radius));

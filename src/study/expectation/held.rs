@@ -64,7 +64,7 @@ impl<'a, T: Real> Held<'a, T> {
         // The finest level of a descent has been started by coarser ones.
         let descends = state.problem().propagation.descent != Descent::Off;
         let against_uniform = matches!(expectation, Expectation::Corrected | Expectation::Merged);
-        let uniform = (descends && against_uniform).then(|| reference::uniform(state));
+        let uniform = if descends && against_uniform { Some(reference::uniform(state)?) } else { None };
         Some(Held { expectation, state, scales: light::channel_scales(state.channels()), uniform, compared })
     }
 

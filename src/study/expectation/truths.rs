@@ -3,7 +3,7 @@
 //! Tracing takes seconds, and neither the transport nor the size of an octree's coarsest level changes what is found.
 //! So a truth is kept for the process, and whoever asks again for one of the same mesh, volume and lights gets it.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use crate::field::Grid;
 use crate::render::bounce::Bounces;
@@ -16,6 +16,7 @@ use crate::render::truth::Truth;
 use crate::scene::{Problem, Stage};
 use crate::sh::Real;
 use crate::simulation::Simulation;
+use crate::study::kept::Kept;
 use crate::study::{light, picture, surface};
 
 /// Paths that tell what a patch of the surface receives.
@@ -26,9 +27,6 @@ pub const PIXELS: [usize; 2] = [128, 128];
 pub const PATHS_A_PIXEL: u64 = 256;
 /// Places in a pixel that a picture of cells is the mean of.
 const PLACES: u64 = 4;
-/// How many truths are kept.
-const KEPT: usize = 4;
-
 /// Of a scene with a mesh, the irradiance of its surfaces by light that was reflected once.
 #[derive(Debug)]
 pub struct SurfaceTruth {
@@ -45,8 +43,8 @@ pub struct PictureTruth {
     exposure: f32,
 }
 
-static SURFACES: Mutex<Vec<Arc<SurfaceTruth>>> = Mutex::new(Vec::new());
-static PICTURES: Mutex<Vec<Arc<PictureTruth>>> = Mutex::new(Vec::new());
+static SURFACES: Kept<SurfaceTruth> = Kept::new(4);
+static PICTURES: Kept<PictureTruth> = Kept::new(4);
 
 /// Hears of the share of a computation that is done, and returns whether to go on.
 pub type Progress<'a> = &'a (dyn Fn(f64) -> bool + Sync);
@@ -55,8 +53,7 @@ impl SurfaceTruth {
     /// That of a problem; `None` where it has no mesh, or where `progress` ended it.
     pub fn of(problem: &Problem, progress: Progress) -> Option<Arc<Self>> {
         let stage = problem.stage.as_ref()?;
-        kept(
-            &SURFACES,
+        SURFACES.get(
             |truth| truth.is_of(problem),
             || {
                 let set = Set::new(stage);
@@ -98,8 +95,7 @@ impl PictureTruth {
     /// That of a problem; `None` where it has no mesh or its camera sees nothing, or where `progress` ended it.
     pub fn of(problem: &Problem, progress: Progress) -> Option<Arc<Self>> {
         let stage = problem.stage.as_ref()?;
-        kept(
-            &PICTURES,
+        PICTURES.get(
             |truth| truth.is_of(problem),
             || {
                 let set = Set::new(stage);
@@ -145,25 +141,4 @@ impl PictureTruth {
 fn same_light(a: &Arc<Stage>, b: &Arc<Stage>) -> bool {
     let mesh = Arc::ptr_eq(&a.model, &b.model) || a.model.mesh == b.model.mesh;
     Arc::ptr_eq(a, b) || (mesh && (a.placement, &a.lights) == (b.placement, &b.lights))
-}
-
-/// What is kept, or else made and kept in place of the oldest.
-fn kept<V>(all: &Mutex<Vec<Arc<V>>>, wanted: impl Fn(&V) -> bool, make: impl FnOnce() -> Option<V>) -> Option<Arc<V>> {
-    // The list is whole whenever the lock is free, whoever panicked with it.
-    let lock = || all.lock().unwrap_or_else(PoisonError::into_inner);
-    let find = |all: &[Arc<V>]| all.iter().find(|known| wanted(known)).cloned();
-    if let Some(known) = find(&lock()) {
-        return Some(known);
-    }
-    let made = Arc::new(make()?);
-    let mut all = lock();
-    // Two may have made it side by side.
-    if let Some(known) = find(&all) {
-        return Some(known);
-    }
-    if all.len() >= KEPT {
-        all.remove(0);
-    }
-    all.push(Arc::clone(&made));
-    Some(made)
 }

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use crate::field::Grid;
+use crate::scene::propagation::descent::Descent;
 use crate::scene::propagation::{Policy, Snapshots};
 use crate::scene::{Problem, Propagation};
 use crate::simulation::options::Wanted;
@@ -49,14 +50,16 @@ impl Start {
 
 /// The scene under a scheme and a treatment of its levels, everything summed.
 pub(super) fn with(problem: &Problem, scheme: &str, treatment: Treatment, iterations: usize) -> Problem {
-    let (levels, coarsest) = match treatment {
-        Treatment::Octree(policy) => (policy, 1),
-        Treatment::Uniform | Treatment::Converged => (Policy::default(), problem.size),
+    let (levels, descent, coarsest) = match treatment {
+        Treatment::Octree(policy) => (policy, Descent::Off, 1),
+        Treatment::Descent => (Policy::default(), problem.propagation.descent, 1),
+        Treatment::Uniform | Treatment::Converged => (Policy::default(), Descent::Off, problem.size),
     };
     let propagation = Propagation {
         scheme: scheme.to_owned(),
         iterations,
         levels,
+        descent,
         snapshots: Snapshots::Thesis,
         ..problem.propagation.clone()
     };
@@ -69,7 +72,12 @@ pub(super) fn all(propagation: &Propagation) -> Vec<Way> {
     for kind in kinds() {
         let named = Propagation { scheme: kind.name.to_owned(), ..propagation.clone() };
         for propagation in (kind.variants)(&named) {
-            for treatment in Treatment::ALL.into_iter().filter(|one| kind.can.levels && *one != Treatment::Converged) {
+            let asked = |treatment: &Treatment| match treatment {
+                Treatment::Descent => propagation.descent != Descent::Off,
+                Treatment::Converged => false,
+                Treatment::Uniform | Treatment::Octree(_) => true,
+            };
+            for treatment in Treatment::ALL.into_iter().filter(|one| kind.can.levels && asked(one)) {
                 ways.extend(ITERATIONS.map(|iterations| {
                     let propagation = propagation.clone();
                     Way::Iterate { propagation, treatment, iterations }

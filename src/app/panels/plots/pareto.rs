@@ -15,14 +15,16 @@ use crate::app::session::pareto::{CHOICES, against, choice_name};
 use crate::report::colour::Theme;
 use crate::report::pareto_figure::{point, schemes};
 use crate::scene::propagation::Policy;
+use crate::scene::propagation::descent::Descent;
 use crate::scene::{Preset, Propagation};
 use crate::study::pareto::{Row, Treatment, front};
 
 /// The treatments of the levels, the marks that tell them apart, and what the legend says.
-const TREATMENTS: [(Treatment, MarkerShape, &str); 4] = [
+const TREATMENTS: [(Treatment, MarkerShape, &str); 5] = [
     (Treatment::Uniform, MarkerShape::Circle, "⏺ finest level alone"),
     (Treatment::Octree(Policy::Same), MarkerShape::Square, "⏹ one factor for all levels"),
     (Treatment::Octree(Policy::Consistent), MarkerShape::Up, "⏶ consistent levels"),
+    (Treatment::Descent, MarkerShape::Diamond, "⏹ a descent, coarse levels first"),
     (Treatment::Converged, MarkerShape::Cross, "✖ fixed point, solved for"),
 ];
 
@@ -146,9 +148,11 @@ fn bar(row: &Row) -> [[f64; 2]; 2] {
 fn loaded(preset: &Preset, row: &Row) -> Preset {
     let mut preset = preset.clone();
     let snapshots = preset.propagation.snapshots;
-    preset.propagation = Propagation { iterations: row.iterations, snapshots, ..row.propagation.clone() };
+    let descent = if row.treatment == Treatment::Descent { row.propagation.descent } else { Descent::Off };
+    preset.propagation = Propagation { iterations: row.iterations, snapshots, descent, ..row.propagation.clone() };
     match row.treatment {
         Treatment::Octree(policy) => preset.propagation.levels = policy,
+        Treatment::Descent => preset.coarsest = 1,
         Treatment::Uniform | Treatment::Converged => preset.coarsest = preset.size,
     }
     preset
@@ -158,7 +162,7 @@ fn loaded(preset: &Preset, row: &Row) -> Preset {
 fn describe(row: &Row) -> String {
     let [milliseconds, error] = point(row);
     let [fastest, slowest] = row.spread.map(|seconds| 1e3 * seconds);
-    let setting = format!("{}, {}", row.setting(), row.treatment.name());
+    let setting = format!("{}, {}", row.setting(), row.levels());
     format!("{setting}\n{milliseconds:.3} ms ({fastest:.3} to {slowest:.3}): L1 {error:.3e}")
 }
 
