@@ -2,6 +2,7 @@
 //! that says which level to sample where, and the [`Channels`] that carry a scene's colours.
 
 mod channels;
+mod distance;
 mod grid;
 mod index_volume;
 pub mod memory;
@@ -9,7 +10,8 @@ mod octree;
 mod slabs;
 
 pub use channels::{Channels, Share};
-pub use grid::{Cell, Grid, Layout};
+pub use distance::squared_distances;
+pub use grid::{Cell, CellList, Grid, Layout};
 pub use index_volume::{IndexVolume, Marks, row_mask};
 pub use octree::{Levels, Octree, downsample_into, mean_of_children};
 pub use slabs::Slabs;

@@ -28,7 +28,7 @@ pub use crate::transport::divergence::{Divergence, limit};
 pub use crate::transport::options;
 pub use crate::transport::{Light, Refusal};
 
-use crate::field::{Channels, Grid, IndexVolume, Levels, Octree, memory};
+use crate::field::{Cell, Channels, Grid, IndexVolume, Levels, Octree, memory};
 use crate::scene::Problem;
 use crate::scene::propagation::Snapshots;
 use crate::sh::Real;
@@ -372,6 +372,16 @@ impl<T: Real> Simulation<T> {
     pub fn advance(&mut self, iterations: usize, wanted: Wanted) {
         self.untouched = false;
         self.divergence = self.transport.advance(&mut self.state, iterations, wanted, &mut self.work).err();
+    }
+
+    /// Whether neighbouring levels are blended, so that a coarse cell is not shown as one.
+    pub fn blends_levels(&self) -> bool {
+        self.transport.blends_levels()
+    }
+
+    /// The level that a finest cell is sampled on; where levels are blended, the one with the largest share.
+    pub fn sampled_level(&self, cell: Cell) -> usize {
+        self.transport.sampled_level(&self.state, cell)
     }
 
     /// Sets `merged` to the sample S(x, y, z) of a channel's accumulated octree at every finest cell, as

@@ -7,12 +7,12 @@ use lpv_lab::scene::cell_file::Column;
 use lpv_lab::scene::injector::{Injector, InjectorKind, Side};
 use lpv_lab::scene::occluder::{Accumulate, Axis, BlockingSign, Occluder, OccluderKind, OcclusionMode};
 use lpv_lab::scene::path::Keyframe;
-use lpv_lab::scene::propagation::Policy;
 use lpv_lab::scene::propagation::Snapshots;
 use lpv_lab::scene::propagation::descent::{Descent, Inside};
 use lpv_lab::scene::propagation::directions::Lattice;
 use lpv_lab::scene::propagation::directions::Rule;
 use lpv_lab::scene::propagation::directions::{MOST_DIRECTIONS, Setting};
+use lpv_lab::scene::propagation::{Index, Policy};
 use lpv_lab::scene::{Occlusion, Preset, Propagation};
 use proptest::prelude::*;
 use proptest::sample::select;
@@ -111,15 +111,17 @@ fn propagation() -> impl Strategy<Value = Propagation> {
     let ordinates = (1..=MOST_DIRECTIONS, select(&Rule::ALL[..]), select(&Lattice::ALL[..]))
         .prop_map(|(directions, rule, lattice)| Setting { directions, rule, lattice });
     let descent = (descent(), select(&[Inside::Exponential, Inside::Constant][..]));
-    let levels = (select(&Policy::ALL[..]), descent);
+    let index = prop_oneof![Just(Index::Thesis), (0.1..100.0).prop_map(|reach| Index::Radial { reach })];
+    let levels = (select(&Policy::ALL[..]), index, descent);
     (scheme, 0.0..10.0, 0..1_000_000usize, snapshots, any::<bool>(), levels, ordinates).prop_map(
-        |(scheme, factor, iterations, snapshots, clamp, (levels, (descent, inside)), ordinates)| Propagation {
+        |(scheme, factor, iterations, snapshots, clamp, (levels, index, (descent, inside)), ordinates)| Propagation {
             scheme,
             factor,
             iterations,
             snapshots,
             clamp,
             levels,
+            index,
             descent,
             inside,
             ordinates,

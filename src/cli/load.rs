@@ -11,9 +11,9 @@ use super::descent::DescentArgs;
 use super::numbers::{decimal, whole};
 use crate::scene::doubts::doubts;
 use crate::scene::preset::LONGEST;
-use crate::scene::propagation::Policy;
 use crate::scene::propagation::descent::Inside;
 use crate::scene::propagation::directions::Rule;
+use crate::scene::propagation::{Index, Policy};
 use crate::scene::{Preset, Problem, SceneError, builtin, file};
 use crate::simulation::Simulation;
 use crate::simulation::options::{Device, Options};
@@ -40,6 +40,12 @@ pub struct SceneArgs {
     /// How the operator follows from the octree level: same, one factor for all; consistent or exact, levels that agree
     #[arg(long, value_name = "POLICY", value_parser = policy)]
     pub levels: Option<Policy>,
+    /// Which level is sampled where: thesis, the finest that is lit; radial, the coarser, the farther injected light is
+    #[arg(long, value_name = "INDEX")]
+    pub index: Option<IndexArg>,
+    /// How far from injected light a radial index samples the finest level alone, in cells
+    #[arg(long, value_name = "R", value_parser = decimal, allow_negative_numbers = true)]
+    pub reach: Option<f64>,
     /// What a descent goes over.
     #[command(flatten)]
     pub descent: DescentArgs,
@@ -99,6 +105,15 @@ pub fn told(why: Option<String>) {
     }
 }
 
+/// Which level is sampled where.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum IndexArg {
+    /// The finest level that has received light
+    Thesis,
+    /// The coarser, the farther injected light is; neighbouring levels are blended
+    Radial,
+}
+
 /// What coarse cells show inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum InsideArg {
@@ -125,6 +140,7 @@ impl SceneArgs {
         if let Some(levels) = self.levels {
             propagation.levels = levels;
         }
+        propagation.index = self.index(propagation.index)?;
         propagation.descent = self.descent.of(propagation.descent)?;
         if let Some(inside) = self.inside {
             propagation.inside = match inside {
@@ -151,6 +167,20 @@ impl SceneArgs {
             remark!("warning: {}", SceneError::from(doubt).at_its_place(&text, &self.preset));
         }
         Ok((preset, problem))
+    }
+
+    /// The index asked for, where the preset's own is `preset`.
+    fn index(&self, preset: Index) -> Result<Index, CliError> {
+        let own = if let Index::Radial { reach } = preset { reach } else { Index::REACH };
+        let reach = self.reach.unwrap_or(own);
+        let index = match (self.index, preset) {
+            (Some(IndexArg::Radial), _) | (None, Index::Radial { .. }) => Index::Radial { reach },
+            (Some(IndexArg::Thesis), _) | (None, Index::Thesis) => Index::Thesis,
+        };
+        if self.reach.is_some() && index == Index::Thesis {
+            return Err(CliError::Input("--reach is for a radial index: write --index radial, too".to_owned()));
+        }
+        Ok(index)
     }
 
     /// What people see of the preset in a line: its title, or its file's name.

@@ -22,7 +22,8 @@ use crate::study::pareto::synthetic;
     after_help = "Examples:\n  lpv-lab octree --factor 3,3.8,4\n  lpv-lab octree two-walls mixed --iterations 4,8 --distances 2,3\n  \
                         lpv-lab octree --size 64 --factor 3.8 --rounds 5\n  \
                         lpv-lab octree --size 64 --cascade-side 16\n\n\
-                        way is uniform (the finest level alone), same, consistent or exact (every level by itself), descent-cells,\n\
+                        way is uniform (the finest level alone), same, consistent, exact or ahead (every level by itself), radial-R\n\
+                        (ahead, sampled by the distance to injected light), descent-cells,\n\
                         descent-leaves-R or descent-cascades-C (the coarse levels start the fine ones), cascades-C-alone (nested\n\
                         grids, each by itself), or solver. converged is the L1 error of the merged\n\
                         light against all the light there will ever be in the uniform volume, after_k against the uniform volume after\n\

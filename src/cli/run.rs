@@ -412,7 +412,11 @@ fn picture(args: &RunArgs, simulation: &Simulation<f32>, title: &str, view: Leve
         }
     };
     let k = simulation.iteration();
-    let slices = [cut(|light| &light.source), cut(|light| &light.target), cut(|light| &light.accumulated)];
+    let accumulated = match view {
+        LevelArg::Merged => Slice::of_merged(simulation, plane),
+        LevelArg::Level(_) => cut(|light| &light.accumulated),
+    };
+    let slices = [cut(|light| &light.source), cut(|light| &light.target), accumulated];
     let target = if k == 0 { "Target".to_owned() } else { format!("Target, still S_{}", k - 1) };
     let names = [format!("Source, S_{k}"), target, "Accumulated, S_A".to_owned()];
     let decades = (args.glyphs == ScaleArg::Log).then_some(GLYPH_DECADES);

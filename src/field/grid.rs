@@ -5,6 +5,9 @@ use crate::sh::{Real, Sh};
 /// A cell's place in its grid: (x, y, z), each from 0 to n − 1.
 pub type Cell = [usize; 3];
 
+/// Cells with their light, in the order of memory: x fastest, z slowest.
+pub type CellList<T> = Vec<(Cell, Sh<T>)>;
+
 /// Where the cells of an n³ grid lie in one plane of memory. This is the one owner of the padding:
 /// rows run along x and are followed by a gap, every slab of rows is followed by a dark row, and dark
 /// slabs lie before the first and behind the last. So each of a cell's six neighbours can be read at a

@@ -65,6 +65,13 @@ impl<T: Real> Slabs<'_, T> {
         [c[i], x[i], y[i], z[i]] = value.0;
     }
 
+    /// Adds to a cell of the grid that lies in them.
+    #[inline]
+    pub fn add(&mut self, cell: Cell, value: Sh<T>) {
+        let i = self.layout.index(cell) - self.begin;
+        self.planes.iter_mut().zip(value.0).for_each(|(plane, c)| plane[i] += c);
+    }
+
     /// The row (y, z) of the grid, from the cell x on, to write.
     #[inline]
     pub fn row_mut(&mut self, x: Range<usize>, y: usize, z: usize) -> [&mut [T]; 4] {

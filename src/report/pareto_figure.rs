@@ -46,7 +46,7 @@ pub fn shape(treatment: Treatment) -> Shape {
     match treatment {
         Treatment::Uniform => Shape::Disc,
         Treatment::Octree(Policy::Same) => Shape::Square,
-        Treatment::Octree(Policy::Consistent | Policy::Exact) => Shape::Triangle,
+        Treatment::Octree(Policy::Consistent | Policy::Exact | Policy::Ahead) => Shape::Triangle,
         Treatment::Descent => Shape::Diamond,
         Treatment::Converged => Shape::Cross,
     }
@@ -59,6 +59,7 @@ pub fn treatment_summary(treatment: Treatment) -> &'static str {
         Treatment::Octree(Policy::Same) => "one factor for all levels",
         Treatment::Octree(Policy::Consistent) => "consistent levels",
         Treatment::Octree(Policy::Exact) => "exact levels",
+        Treatment::Octree(Policy::Ahead) => "exact levels, ahead",
         Treatment::Descent => "a descent, coarse levels first",
         Treatment::Converged => "fixed point, solved for",
     }
@@ -154,8 +155,8 @@ mod tests {
         let drawn: Vec<(&str, usize)> =
             plot.curves[1..].iter().map(|curve| (curve.name.as_str(), curve.points.len())).collect();
         let nothing = ("", 0);
-        assert_eq!(drawn[..4], [("cascaded", 1), nothing, nothing, nothing]);
-        assert_eq!(drawn[4..], [("axial", 0), nothing, nothing, ("", 1)]);
-        assert_eq!(plot.curves[8].dash, Dash::Points(Shape::Cross));
+        assert_eq!(drawn[..5], [("cascaded", 1), nothing, nothing, nothing, nothing]);
+        assert_eq!(drawn[5..], [("axial", 0), nothing, nothing, nothing, ("", 1)]);
+        assert_eq!(plot.curves[10].dash, Dash::Points(Shape::Cross));
     }
 }

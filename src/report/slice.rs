@@ -11,6 +11,8 @@
 
 use crate::field::{Cell, Channels, Grid, IndexVolume, Octree};
 use crate::sh::Sh;
+use crate::simulation::Simulation;
+use crate::study::light;
 
 /// The axis that a cut is made across.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -195,6 +197,16 @@ impl Slice {
             });
         }
         Slice { plane, side, cells, borders: levels.borders() }
+    }
+
+    /// A cut through the merged light of a run: as it is sampled, or cell by cell where levels are blended.
+    pub fn of_merged(run: &Simulation<f32>, plane: Plane) -> Self {
+        if run.blends_levels() {
+            let merged = light::sampled(run);
+            return Slice::level(&merged.iter().collect::<Vec<_>>(), run.channels(), 0, plane);
+        }
+        let octrees: Vec<_> = run.lights().iter().map(|light| &light.accumulated).collect();
+        Slice::merged(&octrees, run.index(), run.channels(), plane)
     }
 
     /// The side of the cells that its axes count, in finest cells: that of its level, 1 for merged light.

@@ -31,6 +31,10 @@ pub struct Propagation {
     pub clamp: bool,
     /// How the operator follows from the level of the octree; `Same`.
     pub levels: Policy,
+    /// Which level is sampled where; `Thesis`. It does not matter to a descent, which samples its leaves, nor to light
+    /// that keeps its direction, whose levels agree.
+    #[serde(skip_serializing_if = "is_default")]
+    pub index: Index,
     /// Whether the coarse levels start the fine ones; `Off`. If they do, `iterations` are those of every level, and
     /// `levels` does not matter.
     #[serde(skip_serializing_if = "is_default")]
@@ -66,11 +70,14 @@ pub enum Policy {
     /// Each level takes finest steps, by an operator that treats light exactly which depends on one coordinate alone;
     /// see `transport::lattice::exact`.
     Exact,
+    /// As `Exact`, with the light that stays in a cell summed up at once: the coarser a level is, the farther it runs
+    /// ahead of the finest, to the same end.
+    Ahead,
 }
 
 impl Policy {
     /// All policies, the default first.
-    pub const ALL: [Policy; 3] = [Policy::Same, Policy::Consistent, Policy::Exact];
+    pub const ALL: [Policy; 4] = [Policy::Same, Policy::Consistent, Policy::Exact, Policy::Ahead];
 
     /// Its name on the command line and in files.
     pub fn name(self) -> &'static str {
@@ -78,6 +85,42 @@ impl Policy {
             Policy::Same => "same",
             Policy::Consistent => "consistent",
             Policy::Exact => "exact",
+            Policy::Ahead => "ahead",
+        }
+    }
+
+    /// Whether the coarser levels go by what plane light does ([`Policy::Exact`], [`Policy::Ahead`]).
+    pub fn is_exact(self) -> bool {
+        matches!(self, Policy::Exact | Policy::Ahead)
+    }
+}
+
+/// Which level of the octree is sampled where.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Index {
+    /// The finest level that has received light (000, 4.2).
+    #[default]
+    Thesis,
+    /// The coarser, the farther injected light is; neighbouring levels are blended. See `transport::lattice::radial`.
+    Radial {
+        /// How far from injected light the finest level alone is sampled, in cells; above 0. What comes next is on level 1
+        /// alone twice as far away.
+        reach: f64,
+    },
+}
+
+impl Index {
+    /// The reach where none is asked for.
+    pub const REACH: f64 = 2.0;
+
+    fn check(self) -> Result<(), Fault> {
+        match self {
+            Index::Radial { reach } if !(reach > 0.0 && reach.is_finite()) => {
+                let fault = Fault::new(format!("a radial index cannot reach {reach} cells"), "a number above 0");
+                Err(fault.field("reach"))
+            }
+            _ => Ok(()),
         }
     }
 }
@@ -97,6 +140,7 @@ impl Default for Propagation {
             snapshots: Snapshots::Thesis,
             clamp: true,
             levels: Policy::Same,
+            index: Index::Thesis,
             descent: Descent::Off,
             inside: Inside::Exponential,
             ordinates: Setting::default(),
@@ -119,6 +163,7 @@ impl Propagation {
             let what = format!("{} iterations are too many", self.iterations);
             return Err(Fault::new(what, format!("at most {MOST_ITERATIONS} are run")).field("iterations"));
         }
+        self.index.check().map_err(|p| p.within(Step::Field("index")))?;
         self.descent.check(size).map_err(|p| p.within(Step::Field("descent")))?;
         let directions = self.ordinates.directions;
         if !(1..=MOST_DIRECTIONS).contains(&directions) {

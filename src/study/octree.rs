@@ -13,7 +13,7 @@ use super::reference;
 use crate::field::Grid;
 use crate::scene::Problem;
 use crate::scene::propagation::descent::Descent;
-use crate::scene::propagation::{Policy, Propagation, Snapshots};
+use crate::scene::propagation::{Index, Policy, Propagation, Snapshots};
 use crate::simulation::options::Wanted;
 use crate::simulation::{Refusal, Simulation};
 use crate::transport::lattice::fixed_point::Solver;
@@ -26,6 +26,8 @@ pub enum Way {
     Uniform,
     /// An octree in which every level is propagated by itself.
     Levels(Policy),
+    /// Exact levels ahead of the finest, sampled by how far injected light is: the reach of the finest level, in cells.
+    Radial(f64),
     /// The coarse levels start the fine ones.
     Descent(Descent),
     /// The fixed point of the finest level, solved for to a relative residual; sweeps count as iterations.
@@ -38,6 +40,7 @@ impl Way {
     pub fn all(distances: &[f64], sides: &[usize]) -> Vec<Way> {
         let mut ways = vec![Way::Uniform];
         ways.extend(Policy::ALL.map(Way::Levels));
+        ways.push(Way::Radial(Index::REACH));
         ways.push(Way::Descent(Descent::Cells));
         ways.extend(distances.iter().map(|distance| Way::Descent(Descent::Leaves { distance: *distance })));
         let cascades = |alone| move |side: &usize| Way::Descent(Descent::Cascades { side: *side, center: None, alone });
@@ -52,6 +55,7 @@ impl Way {
         match self {
             Way::Uniform => "uniform".to_owned(),
             Way::Levels(policy) => policy.name().to_owned(),
+            Way::Radial(reach) => format!("radial-{reach}"),
             Way::Descent(descent) if descent.goes_down() => format!("descent-{}", descent.name()),
             Way::Descent(descent) => descent.name(),
             Way::Solver(_) => "solver".to_owned(),
@@ -60,13 +64,21 @@ impl Way {
 
     /// The problem as this way runs it for `iterations`.
     fn with(self, problem: &Problem, iterations: usize) -> Problem {
+        let index = if let Way::Radial(reach) = self { Index::Radial { reach } } else { Index::Thesis };
         let (coarsest, levels, descent) = match self {
             Way::Uniform | Way::Solver(_) => (problem.size, Policy::Same, Descent::Off),
             Way::Levels(policy) => (problem.coarsest, policy, Descent::Off),
+            Way::Radial(_) => (problem.coarsest, Policy::Ahead, Descent::Off),
             Way::Descent(descent) => (problem.coarsest, Policy::Same, about(descent, problem.propagation.descent)),
         };
-        let propagation =
-            Propagation { iterations, levels, descent, snapshots: Snapshots::Thesis, ..problem.propagation.clone() };
+        let propagation = Propagation {
+            iterations,
+            levels,
+            index,
+            descent,
+            snapshots: Snapshots::Thesis,
+            ..problem.propagation.clone()
+        };
         Problem { coarsest, propagation, ..problem.clone() }
     }
 }

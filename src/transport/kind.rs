@@ -12,7 +12,7 @@ use super::options::{Device, Options, Wanted, Work};
 use super::refusal::Refusal;
 use super::solve::{NoFixedPoint, Solve};
 use super::state::State;
-use crate::field::{Channels, Grid, Levels};
+use crate::field::{Cell, Channels, Grid, Levels};
 use crate::scene::error::Fault;
 use crate::scene::{Problem, Propagation};
 use crate::sh::Real;
@@ -64,6 +64,16 @@ pub trait Transport<T: Real>: fmt::Debug + Send + Sync {
     /// Sets `merged` to what a channel's accumulated light is in every finest cell.
     fn sample(&self, state: &State<T>, channel: usize, merged: &mut Grid<T>) {
         state.sample(channel, merged);
+    }
+
+    /// Whether neighbouring levels are blended, so that a coarse cell is not shown as one.
+    fn blends_levels(&self) -> bool {
+        false
+    }
+
+    /// The level that a finest cell is sampled on; where levels are blended, the one with the largest share.
+    fn sampled_level(&self, state: &State<T>, cell: Cell) -> usize {
+        state.index.index(cell)
     }
 
     /// An upper bound on all light still to come, as a part of what has been accumulated; `None` while nothing is

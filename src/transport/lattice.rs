@@ -28,6 +28,7 @@ pub mod linear;
 pub(in crate::transport) mod occlusion;
 #[cfg(feature = "gpu")]
 mod parts;
+mod radial;
 pub mod reach;
 pub mod scheme;
 pub mod schemes;
@@ -41,13 +42,14 @@ use super::kind::{Capabilities, Kind, Law, Setup, Transport};
 use super::options::{Kernel, Options, Wanted, Work};
 use super::refusal::Refusal;
 use super::state::{State, accumulating};
-use crate::field::{Grid, Levels, Marks};
+use super::team;
+use crate::field::{Cell, Grid, Levels, Marks};
 use crate::scene::Problem;
-use crate::scene::propagation::{Policy, Propagation};
+use crate::scene::propagation::{Index, Policy, Propagation};
 use crate::sh::Real;
 use ceiling::Ceiling;
 use coarse::Coarse;
-use exact::leaves::Leaves;
+use exact::leaves::{Leaves, Way};
 use fixed_point::Solver;
 use kernel::form::Form;
 use kernel::occluded::Which;
@@ -55,6 +57,7 @@ use kernel::plain;
 use known::Known;
 use linear::linear_form;
 use occlusion::LatticeSolids;
+use radial::Radial;
 use scheme::Scheme;
 use stencil::Stencil;
 
@@ -89,11 +92,17 @@ pub(super) fn bytes(problem: &Problem, sizes: Levels, channels: usize, number: u
     // Where light may be, a bit a cell of source and target.
     let marks = sizes.cells() as u64 / 4 * channels as u64;
     let coarse = match problem.propagation.levels {
-        Policy::Exact => (1..sizes.count()).map(|i| Leaves::<f32>::bytes_of_uniform(i, sizes.side(i))).sum(),
+        Policy::Exact | Policy::Ahead => {
+            (1..sizes.count()).map(|i| Leaves::<f32>::bytes_of_uniform(i, sizes.side(i))).sum()
+        }
         _ => 0,
     };
+    let radial = match problem.propagation.index {
+        Index::Thesis => 0,
+        Index::Radial { .. } => (size_of::<f32>() * sizes.finest().pow(3)) as u64,
+    };
     let scheme = schemes::find(&problem.propagation.scheme);
-    marks + coarse + scheme.map_or(0, |scheme| occlusion::bytes(problem, &scheme, sizes, number))
+    marks + coarse + radial + scheme.map_or(0, |scheme| occlusion::bytes(problem, &scheme, sizes, number))
 }
 
 /// Every face is linear but for its clamp.
@@ -127,6 +136,8 @@ pub struct Lattice<T> {
     ceiling: Ceiling,
     /// Under exact levels all but the finest, which is the only one with a stencil then.
     coarse: Option<Coarse<T>>,
+    /// Which levels are sampled where, if not the finest that are lit.
+    radial: Option<Radial<T>>,
 }
 
 impl<T: Real> Lattice<T> {
@@ -139,15 +150,19 @@ impl<T: Real> Lattice<T> {
         let operators = levels::operators(&scheme, factor, clamp, levels, sizes.count())?;
         let (mut stencils, residences): (Vec<_>, Vec<_>) =
             operators.into_iter().map(|operator| (operator.stencil, operator.residence)).unzip();
-        // Exact levels move no more light in a step than the scheme itself does.
-        let ceiling = Ceiling::new(&stencils, problem.occlusion.bounce);
-        let coarse = match levels {
-            Policy::Exact if sizes.count() > 1 => {
-                let (_, share) = linear_form::<T>(problem, "exact levels")?;
-                stencils.truncate(1);
-                Some(Coarse::new(&share, *sizes, setup.channels.count(), occlusion::hard(problem, *sizes)))
+        // In step exact levels move no more light than the scheme itself does.
+        let mut ceiling = Ceiling::new(&stencils, problem.occlusion.bounce);
+        let coarse = if levels.is_exact() && sizes.count() > 1 {
+            let (_, share) = linear_form::<T>(problem, "exact levels")?;
+            let way = if levels == Policy::Ahead { Way::Ahead } else { Way::InStep };
+            if way == Way::Ahead {
+                // Of a leaf at a border less stays, and more of it is turned; four times as much is more than enough.
+                ceiling.amplify(1, 4.0 * exact::residence(&share, factor, sizes.count())?);
             }
-            _ => None,
+            stencils.truncate(1);
+            Some(Coarse::new(&share, way, *sizes, setup.channels.count(), occlusion::hard(problem, *sizes)))
+        } else {
+            None
         };
         Ok(Lattice {
             forms: stencils.iter().map(Form::of).collect(),
@@ -160,6 +175,10 @@ impl<T: Real> Lattice<T> {
             stencils,
             residences,
             known: None,
+            radial: match problem.propagation.index {
+                Index::Thesis => None,
+                Index::Radial { reach } => Some(Radial::new(problem, *sizes, reach)),
+            },
         })
     }
 
@@ -178,6 +197,7 @@ impl<T: Real> Transport<T> for Lattice<T> {
         self.known = None;
         self.ceiling.clear();
         self.coarse.iter_mut().for_each(Coarse::rest);
+        self.radial.iter_mut().for_each(Radial::clear);
         if let Some(solids) = &self.solids {
             solids.mark_shut(&mut state.index);
         }
@@ -200,6 +220,7 @@ impl<T: Real> Transport<T> for Lattice<T> {
             self.ceiling.downsample();
             self.coarse.iter_mut().for_each(Coarse::rest);
         }
+        self.radial.iter_mut().for_each(|radial| radial.downsampled(state));
     }
 
     fn admit(&mut self, state: &State<T>) -> Result<(), Divergence> {
@@ -220,6 +241,8 @@ impl<T: Real> Transport<T> for Lattice<T> {
         work: &mut Work,
     ) -> Result<(), Divergence> {
         let end = state.iteration + iterations;
+        // A radial index looks at samples of several levels, wherever they are.
+        let wanted = if self.radial.is_some() { Wanted::Everything } else { wanted };
         while state.iteration < end && !self.is_done() {
             self.admit(state)?;
             let steps = self.options.tolerance.is_some() || self.solids.is_some() || self.coarse.is_some();
@@ -252,13 +275,32 @@ impl<T: Real> Transport<T> for Lattice<T> {
         self.options.tolerance.is_some_and(|tolerance| self.still_to_come().is_some_and(|bound| bound <= tolerance))
     }
 
+    fn sample(&self, state: &State<T>, channel: usize, merged: &mut Grid<T>) {
+        match &self.radial {
+            None => state.sample(channel, merged),
+            Some(radial) => team::inside(|| radial.sample(state, channel, merged)),
+        }
+    }
+
+    fn blends_levels(&self) -> bool {
+        self.radial.is_some()
+    }
+
+    fn sampled_level(&self, state: &State<T>, cell: Cell) -> usize {
+        match &self.radial {
+            None => state.index.index(cell),
+            Some(radial) => radial.level(&state.index, cell).round() as usize,
+        }
+    }
+
     fn arrivals(&self, state: &State<T>, level: Option<usize>) -> Option<Vec<Arrivals>> {
         self.arrivals_at_solids(state, level)
     }
 
     fn bytes(&self) -> usize {
         let coarse = self.coarse.as_ref().map_or(0, Coarse::bytes);
-        coarse + self.known.iter().flatten().flatten().map(Known::bytes).sum::<usize>()
+        let radial = self.radial.as_ref().map_or(0, Radial::bytes);
+        coarse + radial + self.known.iter().flatten().flatten().map(Known::bytes).sum::<usize>()
     }
 
     fn shared_bytes(&self) -> usize {

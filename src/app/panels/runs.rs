@@ -128,10 +128,12 @@ fn rival(ui: &mut Ui, i: usize, compare: &mut Comparison, own: &Propagation) -> 
             let mut consistent = propagation.levels == Policy::Consistent;
             let levels = ui.checkbox(&mut consistent, "Consistent levels");
             name(
-                &levels.on_hover_text("Levels that agree, in place of one factor for all"),
+                &levels.clone().on_hover_text("Levels that agree, in place of one factor for all"),
                 &full("consistent levels"),
             );
-            propagation.levels = if consistent { Policy::Consistent } else { Policy::Same };
+            if levels.changed() {
+                propagation.levels = if consistent { Policy::Consistent } else { Policy::Same };
+            }
             name(&ui.checkbox(&mut propagation.clamp, "Clamp"), &full("clamp"));
         });
     }

@@ -54,6 +54,7 @@ impl Course {
                 Policy::Same => "merged, one factor for all levels",
                 Policy::Consistent => "merged, consistent levels",
                 Policy::Exact => "merged, exact levels",
+                Policy::Ahead => "merged, exact levels ahead",
             };
             curves.push((name, points(policies.merged(policy, line))));
         }

@@ -69,7 +69,7 @@ fn cut(tracks: &mut [Track], references: &References, pane: Pane, look: &Look) -
     let plane = slice.plane;
     let side = slice.side;
     let finest = |i: usize| plane.axis.cell(plane.index, i % side, i / side);
-    let index = (0..side * side).map(|i| state.index().index(finest(i)) as u8).collect();
+    let index = (0..side * side).map(|i| state.sampled_level(finest(i)) as u8).collect();
     let in_cut = state.problem().solids.iter().filter(|b| b.cell[plane.axis.across()] == plane.index);
     let occupied = in_cut.map(|b| [b.cell[plane.axis.columns()], b.cell[plane.axis.rows()]]).collect();
     let slice = Arc::new(slice);
@@ -128,6 +128,7 @@ fn octrees(simulation: &Simulation<f32>, light: Light) -> Vec<&Octree<f32>> {
 pub fn slice(simulation: &Simulation<f32>, light: Light, layer: Layer, plane: Plane) -> Slice {
     let octrees = octrees(simulation, light);
     match layer {
+        Layer::Merged if light == Light::Accumulated => Slice::of_merged(simulation, plane),
         Layer::Merged => Slice::merged(&octrees, simulation.index(), simulation.channels(), plane),
         Layer::Level(_) if simulation.sizes().count() == 1 => {
             let grids: Vec<Grid<f32>> = octrees.iter().map(|octree| octree.level(0).clone()).collect();

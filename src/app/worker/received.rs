@@ -22,6 +22,9 @@ impl Senders {
     pub fn of(problem: &Problem, levels: usize) -> Option<Self> {
         let propagation = &problem.propagation;
         let scheme = schemes::find(&propagation.scheme)?;
+        // Other levels have no stencil where they are exact, and in a descent light is handed down.
+        let levels = if propagation.levels.is_exact() { 1 } else { levels };
+        let levels = if propagation.descent.goes_down() { 0 } else { levels };
         operators(&scheme, propagation.factor, propagation.clamp, propagation.levels, levels).ok().map(Senders)
     }
 

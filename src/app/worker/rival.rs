@@ -66,6 +66,7 @@ pub fn describe(propagation: &Propagation) -> String {
         Policy::Same => "",
         Policy::Consistent => ", consistent",
         Policy::Exact => ", exact",
+        Policy::Ahead => ", ahead",
     };
     format!("{}, p = {}{levels}{clamp}", propagation.scheme, propagation.factor)
 }

@@ -113,11 +113,7 @@ fn moves(difference: &Difference) -> String {
 fn picture(titles: [&str; 2], runs: [&Simulation<f32>; 2], name: &str) -> String {
     let axis = Axis::Z;
     let plane = Plane { axis, index: runs[0].problem().brightest_slab(axis.across()) };
-    let cut = |run: &Simulation<f32>| {
-        let octrees: Vec<_> = run.lights().iter().map(|light| &light.accumulated).collect();
-        Slice::merged(&octrees, run.index(), run.channels(), plane)
-    };
-    let [first, second] = runs.map(cut);
+    let [first, second] = runs.map(|run| Slice::of_merged(run, plane));
     // Squares as small as either run's, so that nothing of the first is lost in a coarse square of the second.
     let [fine, mut difference] = runs.map(|run| {
         let merged: Vec<_> = crate::study::light::sampled(run);

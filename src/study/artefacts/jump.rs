@@ -101,7 +101,7 @@ fn between(pairs: impl Iterator<Item = [Cell; 2]>, n: usize, [merged, uniform]: 
 
 /// The pairs of finest cells that share a face and are sampled on different levels.
 fn borders<T: Real>(state: &Simulation<T>) -> impl Iterator<Item = [Cell; 2]> {
-    let (n, index) = (state.sizes().finest(), state.index());
+    let n = state.sizes().finest();
     let pairs = Layout::new(n).cells().flat_map(move |cell| {
         (0..3).filter(move |axis| cell[*axis] + 1 < n).map(move |axis| {
             let mut next = cell;
@@ -109,7 +109,7 @@ fn borders<T: Real>(state: &Simulation<T>) -> impl Iterator<Item = [Cell; 2]> {
             [cell, next]
         })
     });
-    pairs.filter(|[cell, next]| index.index(*cell) != index.index(*next))
+    pairs.filter(|[cell, next]| state.sampled_level(*cell) != state.sampled_level(*next))
 }
 
 #[cfg(test)]

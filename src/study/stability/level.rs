@@ -46,7 +46,9 @@ pub fn critical(scheme: &Scheme, clamp: bool, policy: Policy, level: usize, side
     let refused = match policy {
         Policy::Same => return 1.0 / long_run_growth(&Stencil::new(scheme, 1.0, clamp), side),
         // Every exact level takes the steps of the finest level for its means, so it grows where that does.
-        Policy::Exact => return 1.0 / long_run_growth(&Stencil::new(scheme, 1.0, clamp), side << level),
+        Policy::Exact | Policy::Ahead => {
+            return 1.0 / long_run_growth(&Stencil::new(scheme, 1.0, clamp), side << level);
+        }
         Policy::Consistent => match operator(f64::MAX.sqrt()) {
             Ok(_) => return 1.0 / long_run_growth(&Stencil::new(scheme, 1.0, clamp), side),
             Err(levels::TooLarge { limit, .. }) => limit,

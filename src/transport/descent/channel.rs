@@ -9,15 +9,12 @@
 use super::first_steps::FirstSteps;
 use super::partition::without;
 use super::solids::Solids;
-use crate::field::{Cell, Grid, Levels, Marks};
+use crate::field::{Cell, CellList, Grid, Levels, Marks};
 use crate::sh::{Real, Sh};
 use crate::transport::lattice::exact::decay::Decay;
 use crate::transport::lattice::exact::filter::{hand_over, hand_over_among};
 use crate::transport::lattice::exact::leaves::Leaves;
 use crate::transport::lattice::exact::walls::Solid;
-
-/// Cells of a level with their light, in the order of memory.
-pub(super) type Listed<T> = Vec<(Cell, Sh<T>)>;
 
 /// Light in a leaf: the level, the cell there, the light.
 pub(super) type InLeaf<T> = (usize, Cell, Sh<T>);
@@ -26,14 +23,14 @@ pub(super) type InLeaf<T> = (usize, Cell, Sh<T>);
 #[derive(Clone, Debug)]
 pub(super) struct Channel<T> {
     /// S, as it was taken up.
-    pub(super) taken: Listed<T>,
+    pub(super) taken: CellList<T>,
     /// What of S counts, and the mean of it in coarser cells, by level: where a stage that has come down to that level has
     /// leaves of it.
-    pub(super) injected: Vec<Listed<T>>,
+    pub(super) injected: Vec<CellList<T>>,
     /// What of S counts in finest cells that are never leaves.
-    pub(super) elsewhere: Listed<T>,
+    pub(super) elsewhere: CellList<T>,
     /// q, filtered to every level.
-    pub(super) moved: Vec<Listed<T>>,
+    pub(super) moved: Vec<CellList<T>>,
     /// What of both lies beyond the finest leaves of a stage, by the level that it has come down to.
     pub(super) beyond: Vec<Beyond<T>>,
 }
@@ -42,7 +39,7 @@ pub(super) struct Channel<T> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Beyond<T> {
     /// The mean of S, by level.
-    pub(super) stays: Vec<Listed<T>>,
+    pub(super) stays: Vec<CellList<T>>,
     /// The source q.
     pub(super) moved: Vec<InLeaf<T>>,
 }
@@ -111,23 +108,23 @@ impl<T: Real> Sorter<'_, T> {
     }
 
     /// Those cells of level `i` that are leaves once a stage has come down to it, or those that are not.
-    fn listed(&self, i: usize, light: &Listed<T>, leaves: bool) -> Listed<T> {
+    fn listed(&self, i: usize, light: &CellList<T>, leaves: bool) -> CellList<T> {
         let there = self.leaves(i).marks(i);
         light.iter().filter(|(cell, _)| there.get(*cell) == leaves).copied().collect()
     }
 
     /// Those cells of level `i` that are leaves in the stage of level `j`.
-    fn in_leaves(&self, j: usize, i: usize, light: &Listed<T>) -> Listed<T> {
+    fn in_leaves(&self, j: usize, i: usize, light: &CellList<T>) -> CellList<T> {
         let there = self.leaves(j).marks(i);
         light.iter().filter(|(cell, _)| there.get(*cell)).copied().collect()
     }
 
     /// What of q, filtered to level `j` where `reached` marks it, lies in coarser leaves than those of level j.
-    pub(super) fn coarser(&self, j: usize, q: &Listed<T>, reached: &Marks) -> Vec<InLeaf<T>> {
+    pub(super) fn coarser(&self, j: usize, q: &CellList<T>, reached: &Marks) -> Vec<InLeaf<T>> {
         let leaves = self.leaves(j);
         let mut found = Vec::new();
         let mut left = without(reached, leaves.marks(j));
-        let mut handed: Option<Listed<T>> = None;
+        let mut handed: Option<CellList<T>> = None;
         for i in j + 1..self.sizes.count() {
             if left.count() == 0 {
                 break;
@@ -153,7 +150,7 @@ impl<T: Real> Sorter<'_, T> {
 }
 
 /// The means of light on every level; `lit` marks its cells on the finest.
-fn means<T: Real>(finest: Listed<T>, lit: &Marks, sizes: Levels) -> Vec<Listed<T>> {
+fn means<T: Real>(finest: CellList<T>, lit: &Marks, sizes: Levels) -> Vec<CellList<T>> {
     let (mut means, mut lit) = (vec![finest], lit.clone());
     for i in 1..sizes.count() {
         let mut coarser = Grid::new(sizes.side(i));

@@ -13,10 +13,9 @@
 
 use std::cmp::Ordering;
 
-use super::channel::Listed;
 use super::partition::Tiling;
 use super::solids::Solids;
-use crate::field::{Cell, Grid, Marks};
+use crate::field::{Cell, CellList, Grid, Marks};
 use crate::scene::propagation::Snapshots;
 use crate::sh::{Real, Sh};
 use crate::transport::lattice::kernel::form::Form;
@@ -53,13 +52,13 @@ pub struct Injected<'a, T> {
 #[derive(Debug)]
 pub(super) struct FirstSteps<T> {
     /// The injected light.
-    pub(super) taken: Listed<T>,
+    pub(super) taken: CellList<T>,
     /// What of the light so far counts and stays where it is.
-    pub(super) stays: Listed<T>,
+    pub(super) stays: CellList<T>,
     /// Where light has been.
     pub(super) lit: Marks,
     /// q, the last step.
-    pub(super) moved: Listed<T>,
+    pub(super) moved: CellList<T>,
     /// Where q is.
     pub(super) reached: Marks,
 }
@@ -70,7 +69,7 @@ impl<T: Real> Launch<'_, T> {
         let n = light.side();
         let mut lit = Marks::new(n);
         lit.mark_lit(light);
-        let taken: Listed<T> = lit.light_in(light).collect();
+        let taken: CellList<T> = lit.light_in(light).collect();
         let mut stays = if self.snapshots == Snapshots::WithoutInjected { Vec::new() } else { taken.clone() };
         // Where the first iteration sends the light twice, all that has moved counts twice.
         let times = T::of(if self.snapshots == Snapshots::CopyFirst { 2.0 } else { 1.0 });
@@ -93,7 +92,7 @@ impl<T: Real> Launch<'_, T> {
             (next, reached) = (Some(further), got_to);
         }
         let last = next.as_ref().unwrap_or(room);
-        let moved: Listed<T> = reached.light_in(last).map(|(cell, light)| (cell, light * times)).collect();
+        let moved: CellList<T> = reached.light_in(last).map(|(cell, light)| (cell, light * times)).collect();
         if next.is_none() {
             moved.iter().for_each(|(cell, _)| room.set(*cell, Sh::ZERO));
         }
@@ -138,8 +137,8 @@ impl<T: Real> Launch<'_, T> {
 }
 
 /// The sum of two lists in the order of memory.
-fn sum<T: Real>(a: Listed<T>, b: impl Iterator<Item = (Cell, Sh<T>)>) -> Listed<T> {
-    let mut sum: Listed<T> = Vec::with_capacity(a.len());
+fn sum<T: Real>(a: CellList<T>, b: impl Iterator<Item = (Cell, Sh<T>)>) -> CellList<T> {
+    let mut sum: CellList<T> = Vec::with_capacity(a.len());
     let (mut a, mut b) = (a.into_iter().peekable(), b.peekable());
     let order = |cell: Cell| [cell[2], cell[1], cell[0]];
     loop {

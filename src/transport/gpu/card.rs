@@ -12,8 +12,8 @@ use super::text::{Constants, Solids};
 use super::volume::{Masks, Mode, TouchedCell, Volume};
 use crate::field::{Levels, Marks, Octree};
 use crate::scene::Problem;
-use crate::scene::propagation::Policy;
 use crate::scene::propagation::descent::Descent;
+use crate::scene::propagation::{Index, Policy};
 use crate::transport::arrivals::Arrivals;
 use crate::transport::divergence::Divergence;
 use crate::transport::kind::{Setup, Transport};
@@ -211,9 +211,14 @@ impl Transport<f32> for OnCard {
 pub fn constants_of(problem: &Problem, sizes: Levels) -> Result<Constants, Refusal> {
     let no = |what: &str| Refusal::Device { what: what.to_owned() };
     let propagation = &problem.propagation;
-    if propagation.descent != Descent::Off || !matches!(propagation.levels, Policy::Same | Policy::Consistent) {
-        return Err(no("a graphics card computes the levels `same` and `consistent`, and no descent; for others use \
-                       --device cpu"));
+    if propagation.descent != Descent::Off
+        || !matches!(propagation.levels, Policy::Same | Policy::Consistent)
+        || propagation.index != Index::Thesis
+    {
+        return Err(no(
+            "a graphics card computes the levels `same` and `consistent`, no descent and no radial index; for \
+                       others use --device cpu",
+        ));
     }
     let setup =
         Setup { problem: Arc::new(problem.clone()), sizes, channels: problem.channels(), options: Default::default() };

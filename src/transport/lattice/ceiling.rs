@@ -49,6 +49,11 @@ impl Ceiling {
         Ceiling { levels: stencils.iter().map(unknown).collect() }
     }
 
+    /// Lets an iteration of the levels from `level` on multiply light by so much more.
+    pub fn amplify(&mut self, level: usize, by: f64) {
+        self.levels.iter_mut().skip(level).for_each(|bound| bound.norm *= by);
+    }
+
     /// Takes note that all light was cleared.
     pub fn clear(&mut self) {
         self.set_from(0, [0.0; 2]);

@@ -1,9 +1,11 @@
-//! The coarser levels of an octree under exact levels ([`super::exact`]), in step with the finest.
+//! The coarser levels of an octree under exact levels ([`super::exact`]), in step with the finest or ahead of it.
 //!
 //! The finest level is propagated as ever. In the first iteration after a downsampling its injected light S takes its
 //! first step there, clamps and all; what has moved is handed from level to level by the filter, and that is the first
 //! snapshot of each. From then on every level takes one finest step an iteration, by its own operator. So after k
 //! iterations each of them ought to hold the mean of what a uniform volume holds after k.
+//!
+//! Ahead, each sums up at once what stays in a cell ([`Way::Ahead`]): of what was handed to it, and of every step.
 
 use super::exact::decay::Decay;
 use super::exact::filter;
@@ -11,8 +13,8 @@ use super::exact::leaves::{Leaves, Way};
 use super::exact::walls::{Open, Solid};
 use super::kernel::form::Share;
 use super::kernel::occluded::Hard;
-use crate::field::{Levels, Marks, Octree};
-use crate::sh::Real;
+use crate::field::{Cell, Grid, Levels, Marks};
+use crate::sh::{Real, Sh};
 use crate::transport::options::Work;
 use crate::transport::state::State;
 
@@ -30,10 +32,10 @@ pub(super) struct Coarse<T> {
 impl<T: Real> Coarse<T> {
     /// For levels of these sizes, and so many colours; `share` is what one finest step sends to a neighbour, `hard` what
     /// stands in its way.
-    pub(super) fn new(share: &Share<f64>, sizes: Levels, colours: usize, hard: Option<Hard<T>>) -> Self {
+    pub(super) fn new(share: &Share<f64>, way: Way, sizes: Levels, colours: usize, hard: Option<Hard<T>>) -> Self {
         let level = |i: usize, colour: usize| match &hard {
-            None => Leaves::uniform(share, Way::InStep, i, sizes.side(i), &Open),
-            Some(hard) => Leaves::uniform(share, Way::InStep, i, sizes.side(i), &Solid { hard, colour }),
+            None => Leaves::uniform(share, way, i, sizes.side(i), &Open),
+            Some(hard) => Leaves::uniform(share, way, i, sizes.side(i), &Solid { hard, colour }),
         };
         let colours = if hard.is_some() { colours } else { 1 };
         let colours = (0..colours).map(|colour| (1..sizes.count()).map(|i| level(i, colour)).collect()).collect();
@@ -52,9 +54,16 @@ impl<T: Real> Coarse<T> {
         let State { lights, index, .. } = state;
         for (colour, light) in lights.iter_mut().enumerate() {
             let levels = self.colours.get(colour).or(self.colours.first());
+            let mut handed = self.at_rest.then(|| light.source.level(0).clone());
             for (i, leaves) in (1..).zip(levels.into_iter().flatten()) {
-                if self.at_rest {
-                    self.hand_over(i, &light.source, &mut light.target);
+                if let Some(finer) = &mut handed {
+                    *finer = self.hand_over(i, finer);
+                    let target = light.target.level_mut(i);
+                    target.clear();
+                    let mut lit = Marks::new(finer.side());
+                    lit.mark_lit(finer);
+                    let source: Vec<(Cell, Sh<T>)> = lit.light_in(finer).collect();
+                    leaves.add_source(i, &source, target);
                 } else {
                     leaves.apply_level(i, |level| light.source.level(level), light.target.level_mut(i), None);
                 }
@@ -67,16 +76,16 @@ impl<T: Real> Coarse<T> {
         Work { visited: volume - finest, dark: 0, volume }
     }
 
-    /// Sets level `i` of the target to what the next finer level of the source has moved.
-    fn hand_over(&self, i: usize, source: &Octree<T>, target: &mut Octree<T>) {
-        let finer = source.level(i - 1);
+    /// What level `i` is handed of the light that the next finer level has moved.
+    fn hand_over(&self, i: usize, finer: &Grid<T>) -> Grid<T> {
         let mut lit = Marks::new(finer.side());
         lit.mark_lit(finer);
-        target.level_mut(i).clear();
-        filter::hand_over(&self.decay, 1 << i, lit.light_in(finer), target.level_mut(i));
+        let mut coarser = Grid::new(finer.side() / 2);
+        filter::hand_over(&self.decay, 1 << i, lit.light_in(finer), &mut coarser);
         if let Some(hard) = &self.hard {
-            Solid { hard, colour: 0 }.darken(i, target.level_mut(i));
+            Solid { hard, colour: 0 }.darken(i, &mut coarser);
         }
+        coarser
     }
 
     /// Bytes of memory it holds.

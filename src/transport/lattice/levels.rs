@@ -83,7 +83,7 @@ pub fn operators<T: Real>(
         .map(|level| {
             let leaving = match policy {
                 // Exact levels have operators of another form: see `super::exact`.
-                Policy::Same | Policy::Exact => 1.0,
+                Policy::Same | Policy::Exact | Policy::Ahead => 1.0,
                 Policy::Consistent => 0.5f64.powi(level as i32),
             };
             let staying = gain.map(|g| (1.0 - leaving) * g);

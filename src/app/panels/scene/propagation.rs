@@ -5,6 +5,7 @@ use egui::{DragValue, Ui};
 use crate::app::panels::field::{choice, number, row};
 use crate::app::panels::runs::warning;
 use crate::scene::Propagation;
+use crate::scene::propagation::Index;
 use crate::scene::propagation::Policy;
 use crate::scene::propagation::descent::{Descent, FARTHEST, LEAST_SIDE};
 use crate::scene::propagation::directions::Lattice;
@@ -48,16 +49,34 @@ pub fn ui(ui: &mut Ui, propagation: &mut Propagation, size: usize, exceeded: Opt
         Policy::Same => "One factor for all".to_owned(),
         Policy::Consistent => "Consistent".to_owned(),
         Policy::Exact => "Exact".to_owned(),
+        Policy::Ahead => "Exact, ahead".to_owned(),
     };
     let hint = "How the operator follows from the level: alike on all, as in the thesis, or so that levels agree";
     choice(ui, "Levels", hint, &mut propagation.levels, &Policy::ALL, text);
     if kind.is_some_and(|kind| kind.can.levels) {
+        index(ui, &mut propagation.index);
         descent(ui, &mut propagation.descent, size);
     }
     row(ui, "Clamp", |ui| {
         ui.checkbox(&mut propagation.clamp, "")
             .on_hover_text("Negative flux counts as none; off, every iteration is linear")
     });
+}
+
+/// The fields of the index.
+fn index(ui: &mut Ui, index: &mut Index) {
+    let reach = if let Index::Radial { reach } = index { *reach } else { Index::REACH };
+    let text = |index: &Index| match index {
+        Index::Thesis => "Finest that is lit".to_owned(),
+        Index::Radial { .. } => "By distance, blended".to_owned(),
+    };
+    let hint = "Which level is sampled where: the finest that has received light, as in the thesis, or the coarser, the \
+                farther injected light is, neighbouring levels blended. Made for exact levels ahead";
+    choice(ui, "Index", hint, index, &[Index::Thesis, Index::Radial { reach }], text);
+    if let Index::Radial { reach } = index {
+        let field = DragValue::new(reach).range(0.5..=1024.0).speed(0.02).max_decimals(2);
+        number(ui, "Reach", "How far from injected light the finest level alone is sampled, in cells", field);
+    }
 }
 
 /// The fields of a descent.

@@ -3,10 +3,11 @@
 use std::collections::HashSet;
 
 use crate::app::worker::cut::{mix, octrees};
-use crate::app::worker::look::{Cloud, CloudCell, Layer, Look, Of, Pin};
+use crate::app::worker::look::{Cloud, CloudCell, Layer, Light, Look, Of, Pin};
 use crate::app::worker::track::Track;
-use crate::field::{Cell, Layout, Octree};
+use crate::field::{Cell, Grid, Layout, Octree};
 use crate::simulation::Simulation;
+use crate::study::light;
 
 /// The most cells that the three-dimensional view draws.
 const MOST_CELLS: usize = 12_000;
@@ -25,10 +26,15 @@ pub fn cloud(tracks: &mut [Track], look: &Look) -> Option<Cloud> {
     };
     let known = track.at(ask.pane.state.iteration).is_some();
     let state = track.at(if known { ask.pane.state.iteration } else { None })?;
-    let octrees = octrees(state, ask.pane.light);
+    let blended = (state.blends_levels() && ask.pane.light == Light::Accumulated && look.layer == Layer::Merged)
+        .then(|| sampled(state));
+    let (octrees, layer) = match &blended {
+        Some(blended) => (blended.iter().collect(), Layer::Level(0)),
+        None => (octrees(state, ask.pane.light), look.layer),
+    };
     let last = state.sizes().count() - 1;
-    let wanted = if let Layer::Level(level) = look.layer { level.min(last) } else { 0 };
-    let gathered = |finest: usize| gather(state, &octrees, look.layer, finest, ask.threshold);
+    let wanted = if let Layer::Level(level) = layer { level.min(last) } else { 0 };
+    let gathered = |finest: usize| gather(state, &octrees, layer, finest, ask.threshold);
     let mut level = wanted;
     let (mut cells, strongest) = gathered(level);
     let found = cells.len();
@@ -41,6 +47,17 @@ pub fn cloud(tracks: &mut [Track], look: &Look) -> Option<Cloud> {
     let coarsened = (level > wanted).then_some((level, found));
     let (occupied, occupied_span) = surface(state);
     Some(Cloud { side: state.sizes().finest(), cells, occupied, occupied_span, left_out, coarsened, strongest })
+}
+
+/// The merged light in every finest cell, and means of it.
+fn sampled(state: &Simulation<f32>) -> Vec<Octree<f32>> {
+    let octree = |grid: Grid<f32>| {
+        let mut octree = Octree::new(state.sizes());
+        *octree.level_mut(0) = grid;
+        octree.downsample();
+        octree
+    };
+    light::sampled(state).into_iter().map(octree).collect()
 }
 
 /// Drops the weakest cells of too many, all of those that are equally strong; how many.
