@@ -35,7 +35,7 @@ use crate::sh::Real;
 use crate::transport::arrivals::Arrivals;
 use crate::transport::kind::{Kind, Precision, Setup, Transport};
 use crate::transport::{self, State, refuse_what_does_not_fit};
-use options::{Device, Options, Wanted, Work};
+use options::{Device, Options, Stage, Wanted, Work};
 
 /// The part of all light under which the newest counts as nothing more ([`Simulation::settle`]).
 pub const SETTLED: f64 = 1e-4;
@@ -372,6 +372,11 @@ impl<T: Real> Simulation<T> {
     pub fn advance(&mut self, iterations: usize, wanted: Wanted) {
         self.untouched = false;
         self.divergence = self.transport.advance(&mut self.state, iterations, wanted, &mut self.work).err();
+    }
+
+    /// How far a descent has come down; `None` where every iteration is one of all levels, and before the first.
+    pub fn stage(&self) -> Option<Stage> {
+        self.transport.stage()
     }
 
     /// Whether neighbouring levels are blended, so that a coarse cell is not shown as one.

@@ -25,7 +25,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use self::look::{Cloud, Look, Pin, PinSample, Shown};
 use self::rival::Rival;
 use crate::scene::{Preset, Problem};
-use crate::simulation::options::{Device, Work};
+use crate::simulation::options::{Device, Stage, Work};
 use crate::simulation::{Action, Change};
 use crate::study::error::ErrorRow;
 use crate::study::expectation::Expectation;
@@ -52,6 +52,8 @@ pub struct Load {
     pub preset: Preset,
     /// The folder that its paths are relative to.
     pub folder: PathBuf,
+    /// When, in seconds, injectors are where their paths have them; `None` where the document puts them.
+    pub moment: Option<f64>,
     /// What its own propagator is compared with.
     pub others: Vec<Rival>,
     /// What to do at once.
@@ -111,6 +113,8 @@ pub struct Progress {
     pub cells: usize,
     /// Levels of the octree.
     pub levels: usize,
+    /// How far a descent has come down, if it is one.
+    pub stage: Option<Stage>,
     /// Finest cells along a side.
     pub side: usize,
     /// Bytes that the present takes.
@@ -225,6 +229,7 @@ mod tests {
         let text = format!("(version: 1, size: {size}, injectors: [(kind: Single(cell: (0, 1, 2)))])");
         let preset = Preset::parse(&text, Path::new("test")).unwrap();
         Order::Load(Box::new(Load {
+            moment: None,
             preset,
             folder: PathBuf::new(),
             others: Vec::new(),
@@ -319,6 +324,7 @@ mod tests {
         let preset = Preset::parse(text, Path::new("test")).unwrap();
         let start = Start::To { iteration: 1000, merge: true };
         worker.order(Order::Load(Box::new(Load {
+            moment: None,
             preset,
             folder: PathBuf::new(),
             others: Vec::new(),
@@ -365,6 +371,7 @@ mod tests {
         preset.propagation.scheme = "no such".to_owned();
         let others = Vec::new();
         worker.order(Order::Load(Box::new(Load {
+            moment: None,
             preset,
             folder: PathBuf::new(),
             others,

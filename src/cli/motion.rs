@@ -16,7 +16,7 @@ use crate::report::plot::{Curve, Dash, Figure, Plot};
 use crate::report::raster;
 use crate::report::slice::{Axis, Plane, Slice};
 use crate::report::table::Table;
-use crate::scene::path::{Keyframe, Placing};
+use crate::scene::path::Placing;
 use crate::study::motion::{self, Frame, Means, MotionError, Setting};
 
 /// What moves, how it is run, where to write.
@@ -100,8 +100,7 @@ pub fn run(args: &MotionArgs) -> Result<(), CliError> {
             args.frames
         )));
     }
-    let moving = preset.injectors.iter().filter(|injector| injector.enabled);
-    let paths: Vec<&[Keyframe]> = moving.map(|injector| injector.path.as_slice()).collect();
+    let paths = preset.paths();
     if paths.iter().all(|path| path.is_empty()) {
         remark!("warning: no injector has a path, so nothing moves");
     }

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::Source;
 use super::error::{Fault, Step};
+use super::{Preset, Problem, Source};
 use crate::field::Cell;
 use crate::sh::Sh;
 
@@ -57,6 +57,34 @@ pub(super) fn check(path: &[Keyframe]) -> Result<(), Fault> {
         }
     }
     Ok(())
+}
+
+impl Preset {
+    /// The first and the last time [s] of all the paths in it; `None` where nothing moves.
+    pub fn times(&self) -> Option<[f64; 2]> {
+        let times = || self.injectors.iter().flat_map(|injector| &injector.path).map(|key| key.time);
+        times().next()?;
+        Some([times().fold(f64::INFINITY, f64::min), times().fold(f64::NEG_INFINITY, f64::max)])
+    }
+
+    /// The paths of the injectors that are enabled, in their order: one for each of the first sources of its problem.
+    pub fn paths(&self) -> Vec<&[Keyframe]> {
+        let enabled = self.injectors.iter().filter(|injector| injector.enabled);
+        enabled.map(|injector| injector.path.as_slice()).collect()
+    }
+}
+
+impl Problem {
+    /// The problem at a time [s]: its first sources have each followed a path, as [`Preset::paths`] has them.
+    pub fn at_time(&self, paths: &[&[Keyframe]], time: f64, placing: Placing) -> Problem {
+        let paths = paths.iter().copied().chain(std::iter::repeat(&[][..]));
+        let source = |(source, path): (&Source, &[Keyframe])| match path {
+            // What does not move keeps what is known of the surfaces that it leaves.
+            [] => source.clone(),
+            path => source.moved(offset(path, time), placing, self.size),
+        };
+        Problem { sources: self.sources.iter().zip(paths).map(source).collect(), ..self.clone() }
+    }
 }
 
 impl Source {

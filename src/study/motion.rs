@@ -15,10 +15,10 @@
 
 use super::light::channel_scales;
 use crate::field::{Cell, Grid, Levels, Octree};
-use crate::scene::path::{self, Keyframe, Placing};
+use crate::scene::Problem;
+use crate::scene::path::{Keyframe, Placing};
 use crate::scene::propagation::descent::Descent as Asked;
 use crate::scene::propagation::{Policy, Propagation};
-use crate::scene::{Problem, Source};
 use crate::simulation::options::Wanted;
 use crate::simulation::{Refusal, Simulation};
 use crate::transport::descent::{Descent, Grids, Injected, of_problem};
@@ -116,7 +116,7 @@ pub fn run(
     let mut before: Option<[Vec<f64>; 2]> = None;
     for number in 0..setting.frames {
         let time = number as f64 / setting.rate;
-        let at = |placing| moved(problem, paths, time, placing);
+        let at = |placing| problem.at_time(paths, time, placing);
         let (light, scales) = match &mut warm {
             Some(warm) => warm.frame(&at(setting.placing)),
             None => cold(at(setting.placing))?,
@@ -138,13 +138,6 @@ pub fn run(
         }
     }
     Ok(frames)
-}
-
-/// The problem at a time.
-fn moved(problem: &Problem, paths: &[&[Keyframe]], time: f64, placing: Placing) -> Problem {
-    let source =
-        |(source, path): (&Source, &&[Keyframe])| source.moved(path::offset(path, time), placing, problem.size);
-    Problem { sources: problem.sources.iter().zip(paths).map(source).collect(), ..problem.clone() }
 }
 
 fn cold(problem: Problem) -> Result<(Vec<Grid<f32>>, Vec<f64>), Refusal> {

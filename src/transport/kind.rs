@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::arrivals::Arrivals;
 use super::divergence::Divergence;
-use super::options::{Device, Options, Wanted, Work};
+use super::options::{Device, Options, Stage, Wanted, Work};
 use super::refusal::Refusal;
 use super::solve::{NoFixedPoint, Solve};
 use super::state::State;
@@ -64,6 +64,11 @@ pub trait Transport<T: Real>: fmt::Debug + Send + Sync {
     /// Sets `merged` to what a channel's accumulated light is in every finest cell.
     fn sample(&self, state: &State<T>, channel: usize, merged: &mut Grid<T>) {
         state.sample(channel, merged);
+    }
+
+    /// How far a descent has come down; `None` where every iteration is one of all levels.
+    fn stage(&self) -> Option<Stage> {
+        None
     }
 
     /// Whether neighbouring levels are blended, so that a coarse cell is not shown as one.

@@ -138,6 +138,17 @@ impl fmt::Display for Work {
     }
 }
 
+/// How far a descent has come down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stage {
+    /// The level that is worked on, 0 the finest.
+    pub level: usize,
+    /// Iterations of it that are done.
+    pub done: usize,
+    /// Iterations of every level.
+    pub each: usize,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,5 +1,6 @@
 //! The transport of time: play, one more, loop.
 
+use egui_kittest::kittest::Queryable;
 use lpv_lab::app::Command;
 
 use crate::driver::*;
@@ -69,4 +70,44 @@ fn a_loop_begins_again_until_it_is_paused() {
     harness.key_press(egui::Key::P);
     settle(&mut harness);
     assert_eq!(lab(&harness).iteration(), 5);
+}
+
+const MOVING: &str = "(version: 1, title: \"Moving\", size: 8, injectors: [(kind: Single(cell: (2, 4, 4)), \
+                      path: [(time: 1, by: (0, 0, 0)), (time: 5, by: (4, 0, 0))])])";
+
+#[test]
+fn light_that_moves_is_seen_at_the_time_that_is_chosen() {
+    let mut harness = window(MOVING);
+    let whole = red(lab(&harness), 0, [2, 4]);
+    assert!(whole > 0.0);
+    // Beside the light its mean on a coarser level is seen, an eighth of it.
+    let seen = |harness: &Window, x: usize| red(lab(harness), 0, [x, 4]);
+    let injected = |harness: &Window| [2, 3, 4].map(|x| Some(seen(harness, x)).filter(|c| *c > 0.3 * whole));
+    assert_eq!(injected(&harness), [Some(whole), None, None]);
+    // Half a second at a cell a second: the light is split over two cells.
+    set_number(&mut harness, "Time of the scene", 1.5);
+    assert!(lab(&harness).is_stale());
+    click(&mut harness, "Run again");
+    assert!(!lab(&harness).is_stale());
+    assert_eq!(injected(&harness), [Some(whole / 2.0), Some(whole / 2.0), None]);
+    set_number(&mut harness, "Time of the scene", 3.0);
+    click(&mut harness, "Run again");
+    assert_eq!(injected(&harness), [None, None, Some(whole)]);
+}
+
+#[test]
+fn where_nothing_moves_there_is_no_time_to_choose() {
+    assert!(window(SMALL).query_by_label("Time of the scene").is_none());
+}
+
+#[test]
+fn a_descent_tells_the_level_it_has_come_down_to() {
+    let mut harness = window(
+        "(version: 1, title: \"Down\", size: 8, injectors: [(kind: Single(cell: (4, 4, 4)))], \
+         propagation: (factor: 3.8, iterations: 2, descent: Cells))",
+    );
+    for said in ["(1 of 2 on level 3, 1³)", "(2 of 2 on level 3, 1³)", "(1 of 2 on level 2, 2³)"] {
+        click(&mut harness, "Propagate");
+        assert!(harness.query_by_label_contains(said).is_some(), "{said}");
+    }
 }

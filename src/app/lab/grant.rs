@@ -40,6 +40,7 @@ impl Lab {
             Ask::OnCard(on_card) => session.compute_on(on_card),
             Ask::Pace(pace) => session.settings.pace = pace,
             Ask::Past(mib) => session.set_past(mib),
+            Ask::Moment(time) => session.run.moment = Some(time),
             Ask::Scrub(k) => session.scrub(k),
             Ask::Pin(pin) => session.set_pin(pin),
             Ask::Select(item) => session.selected = item,

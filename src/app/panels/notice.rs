@@ -8,6 +8,7 @@ use crate::app::session::Session;
 use crate::app::session::ask::{Ask, Asks};
 use crate::app::session::command::Command;
 use crate::app::worker::look::Layer;
+use crate::simulation::options::Stage;
 
 /// What went wrong, over the views.
 pub fn fault(ui: &mut Ui, session: &Session, asks: &mut Asks) {
@@ -66,12 +67,15 @@ fn state(ui: &mut Ui, session: &Session) {
         ui.label(format!("{}{lit} ({:.1} ms, {device})", change.action, p.seconds * 1e3));
         ui.separator();
     }
+    let stage = p.stage.map_or_else(String::new, |Stage { level, done, each }| {
+        format!(" ({done} of {each} on level {level}, {}³)", p.side >> level)
+    });
     let level = match session.settings.view.layer {
         Layer::Merged if !p.merged => "  ·  merged view is sampled live; Merge stores it",
         _ => "",
     };
     ui.label(format!(
-        "n = {}, {} levels  ·  k = {}  ·  {} of {} cells lit  ·  light {:.1} MiB{level}",
+        "n = {}, {} levels  ·  k = {}{stage}  ·  {} of {} cells lit  ·  light {:.1} MiB{level}",
         p.side,
         p.levels,
         p.iteration,

@@ -18,6 +18,28 @@ use crate::study::identify::verdict::Judgement;
 const PATTERNS: [(Option<&str>, &str); 3] =
     [(Some("spaced"), "spaced"), (Some("dense"), "dense"), (None, "a scene of its own")];
 
+/// How it is found out, before there is anything to look at.
+pub fn steps(ui: &mut Ui) {
+    ui.add_space(24.0);
+    ui.heading("Is my port right?");
+    ui.add_space(8.0);
+    let steps = [
+        "Write what to inject: `lpv-lab pattern spaced --size 32 --out pattern.h` (also .csv and .npy).",
+        "Have your renderer inject it in place of its lights, without occluders, and dump its grid: once injected \
+         (s0.npy) and after one iteration (s1.npy). Later iterations tell more.",
+        "Drop the dumps on this window. The order of axes and coefficients, signs and scales are found out.",
+        "Read to the left what the port does otherwise, with the line of a shader that would; here its grid stands \
+         beside the right one and their difference, at the first cell that is wrong.",
+    ];
+    for (i, step) in steps.iter().enumerate() {
+        ui.horizontal_top(|ui| {
+            ui.label(egui::RichText::new(format!("{}.", i + 1)).strong());
+            ui.add(egui::Label::new(*step).wrap());
+        });
+        ui.add_space(6.0);
+    }
+}
+
 /// The list of dumps.
 pub fn files(ui: &mut Ui, session: &Session, asks: &mut Asks) {
     let mut port = session.port.clone();

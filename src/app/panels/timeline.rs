@@ -9,8 +9,11 @@ use crate::app::session::ask::{Ask, Asks};
 use crate::app::session::command::Command;
 use crate::app::session::settings::{PACE, PAST};
 
-/// The timeline and the memory that it takes.
+/// The time of a scene that moves, the timeline of iterations, and the memory that it takes.
 pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
+    if let Some(times) = session.document.preset.times() {
+        moment(ui, session, times, asks);
+    }
     ui.horizontal(|ui| {
         for (command, picture) in [(Command::First, "⏮"), (Command::Back, "⏴")] {
             named_button(ui, session, command, picture, asks);
@@ -55,5 +58,20 @@ pub fn ui(ui: &mut Ui, session: &Session, asks: &mut Asks) {
             asks.changed(&session.settings.past_mib, mib, Ask::Past);
             ui.label(format!("past: {:.0} of", progress.past_bytes as f64 / f64::from(1 << 20)));
         });
+    });
+}
+
+/// The time of a scene in which light moves; another one is another run.
+fn moment(ui: &mut Ui, session: &Session, [first, last]: [f64; 2], asks: &mut Asks) {
+    ui.horizontal(|ui| {
+        ui.label("Scene at");
+        ui.spacing_mut().slider_width = (ui.available_width() - 140.0).max(60.0);
+        let mut time = session.run.moment.unwrap_or(first).clamp(first, last);
+        let slider = Slider::new(&mut time, first..=last).max_decimals(3).suffix(" s");
+        let slider = ui.add_enabled(last > first, slider);
+        name(&slider.clone().on_hover_text("When injectors are where their paths have them"), "Time of the scene");
+        if slider.changed() {
+            asks.ask(Ask::Moment(time));
+        }
     });
 }

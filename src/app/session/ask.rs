@@ -41,6 +41,8 @@ pub enum Ask {
     Pace(f64),
     /// Memory for past iterations, in MiB.
     Past(usize),
+    /// Have injectors where their paths have them at this time, in seconds.
+    Moment(f64),
     /// Show this iteration.
     Scrub(usize),
     /// Keep a cell in sight, or none.

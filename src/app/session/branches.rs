@@ -12,6 +12,8 @@ use crate::scene::{Preset, Problem};
 pub struct Record {
     /// What its results were made from.
     pub ran: Preset,
+    /// When its injectors were where their paths have them, if it was at a time.
+    pub ran_at: Option<f64>,
     /// What ran beside the preset's own propagator.
     pub others: Vec<Rival>,
     /// What ran.

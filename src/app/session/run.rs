@@ -23,6 +23,10 @@ pub struct Run {
     pub branches: Branches,
     /// What the present results were made from.
     ran: Preset,
+    /// When, in seconds, injectors are to be seen where their paths have them; `None` where the preset puts them.
+    pub moment: Option<f64>,
+    /// When they were, in the present results.
+    ran_at: Option<f64>,
     /// What ran beside the preset's own propagator.
     pub others: Vec<Rival>,
     /// What runs, once the worker has it.
@@ -51,6 +55,8 @@ impl Run {
             worker: Worker::start(budget, move || wake.request_repaint())?,
             branches: Branches::default(),
             ran: preset,
+            moment: None,
+            ran_at: None,
             others: Vec::new(),
             problem: None,
             progress: Progress::default(),
@@ -68,6 +74,9 @@ impl Run {
         let tag = self.branches.begin(self.record());
         let preset = &document.preset;
         self.ran = preset.clone();
+        // What does not move is always where it is.
+        self.moment = self.moment.zip(preset.times()).map(|(time, [first, last])| time.clamp(first, last));
+        self.ran_at = self.moment;
         self.others = others;
         self.problem = None;
         let own = Rival::Propagator(preset.propagation.clone());
@@ -79,7 +88,7 @@ impl Run {
         let levels = Levels::new(preset.size, preset.coarsest).map_or(1, |levels| levels.count());
         self.progress = Progress { side: preset.size, levels, ..Progress::default() };
         let (preset, folder, others) = (preset.clone(), document.folder(), self.others.clone());
-        let load = Load { preset, folder, others, start, tag, leave, device };
+        let load = Load { preset, folder, moment: self.moment, others, start, tag, leave, device };
         self.send(Order::Load(Box::new(load)));
     }
 
@@ -100,8 +109,9 @@ impl Run {
     /// Takes up what is known of the run that the worker has turned to.
     pub fn turn_to(&mut self, tag: u64) {
         let left = self.record();
-        if let Some(Record { ran, others, problem, curves }) = self.branches.turn_to(tag, left) {
-            (self.ran, self.others, self.problem, self.curves) = (ran, others, problem, curves);
+        if let Some(Record { ran, ran_at, others, problem, curves }) = self.branches.turn_to(tag, left) {
+            (self.ran, self.ran_at, self.others, self.problem, self.curves) = (ran, ran_at, others, problem, curves);
+            self.moment = ran_at;
         }
         self.at = None;
         self.playing = None;
@@ -110,7 +120,7 @@ impl Run {
     /// What is known of the present run.
     fn record(&self) -> Record {
         let (ran, others) = (self.ran.clone(), self.others.clone());
-        Record { ran, others, problem: self.problem.clone(), curves: self.curves.clone() }
+        Record { ran, ran_at: self.ran_at, others, problem: self.problem.clone(), curves: self.curves.clone() }
     }
 
     /// Gives an order whose news are waited for.
@@ -126,7 +136,7 @@ impl Run {
 
     /// Whether the results are of another preset than this one.
     pub fn differs(&self, preset: &Preset) -> bool {
-        essence(preset) != essence(&self.ran)
+        self.moment != self.ran_at || essence(preset) != essence(&self.ran)
     }
 
     /// Whether an object is in the run as it is in the preset.

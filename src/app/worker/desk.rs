@@ -15,6 +15,7 @@ use crate::app::worker::received::{self, Senders};
 use crate::app::worker::track::{self, Track};
 use crate::app::worker::{Load, News, Order, Progress, Start};
 use crate::scene::Problem;
+use crate::scene::path::Placing;
 use crate::scene::stage::Cache;
 use crate::simulation::{Action, Change};
 use crate::study::expectation::{Expectation, References};
@@ -385,6 +386,10 @@ impl Desk {
     fn tracks_of(&mut self, load: &Load) -> Result<Vec<Track>, String> {
         let problem = Problem::build_with(&load.preset, &load.folder, &self.cache, &mut |_| {})
             .map_err(|error| error.to_string())?;
+        let problem = match load.moment {
+            Some(time) => problem.at_time(&load.preset.paths(), time, Placing::Split),
+            None => problem,
+        };
         let others = load.others.iter().filter_map(|rival| rival.problem(&problem));
         let problems: Vec<Problem> = std::iter::once(problem.clone()).chain(others).collect();
         let budget = self.budget / problems.len();
@@ -446,6 +451,7 @@ impl Desk {
             lit: (0..sizes.count()).map(|i| index.level(i).count()).sum(),
             cells: sizes.cells(),
             levels: sizes.count(),
+            stage: track.now().stage(),
             side: sizes.finest(),
             now_bytes: self.tracks.iter().map(Track::now_bytes).sum(),
             past_bytes: self.tracks.iter().map(Track::past_bytes).sum(),

@@ -164,7 +164,6 @@ impl Scene {
             if let Some(stage) = self.stage.latest().map(|(_, stage)| Arc::clone(stage))
                 && session.document.preset.scene.is_some()
             {
-                ui.separator();
                 let about = "The picture's camera stands where this view is seen from";
                 if ui.button("Camera here").on_hover_text(about).clicked() {
                     handles::camera_here(session, &stage, &self.eye, asks);

@@ -52,7 +52,7 @@ impl Panels for Study {
         });
         let ground = Frame::central_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
         CentralPanel::default().frame(ground).show(ui, |ui| {
-            let Some(answer) = answer else { return };
+            let Some(answer) = answer else { return port::steps(ui) };
             port::sight(ui, session, answer, asks);
             self.side_by_side(ui, session, answer);
         });

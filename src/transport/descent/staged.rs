@@ -15,7 +15,7 @@ use crate::scene::Problem;
 use crate::sh::Real;
 use crate::transport::divergence::{Divergence, limit};
 use crate::transport::kind::{Setup, Transport};
-use crate::transport::options::Work;
+use crate::transport::options::{Stage, Work};
 use crate::transport::refusal::Refusal;
 use crate::transport::state::{Light, State};
 
@@ -159,6 +159,11 @@ impl<T: Real> Transport<T> for Staged<T> {
         }
         let channels = state.lights.len();
         Work { visited: leaves.count() * channels, dark: 0, volume: state.sizes().cells() * channels }
+    }
+
+    fn stage(&self) -> Option<Stage> {
+        let under_way = self.descent.is_under_way();
+        under_way.then(|| Stage { level: self.descent.level(), done: self.done, each: self.each })
     }
 
     fn sample(&self, state: &State<T>, channel: usize, merged: &mut Grid<T>) {

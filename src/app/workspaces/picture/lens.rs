@@ -60,14 +60,22 @@ impl Lens {
     }
 }
 
-/// Where `count` square tiles with a title above each are as large as can be in a room: their squares, row by row.
+/// How much smaller tiles may be that fill all their rows than those that are as large as can be: pictures that belong
+/// together are then in line.
+const IN_LINE: f32 = 0.85;
+
+/// Where `count` square tiles with a title above each are as large as can be in a room, or nearly so and in full rows:
+/// their squares, row by row.
 pub fn tiles(room: Rect, count: usize, title: f32, gap: f32) -> Vec<Rect> {
     let side = |columns: usize| {
         let rows = count.div_ceil(columns) as f32;
         let wide = (room.width() - gap * (columns - 1) as f32) / columns as f32;
         wide.min((room.height() - gap * (rows - 1.0)) / rows - title)
     };
-    let best = (1..=count.max(1)).max_by(|a, b| side(*a).total_cmp(&side(*b))).unwrap_or(1);
+    let largest = |columns: &mut dyn Iterator<Item = usize>| columns.max_by(|a, b| side(*a).total_cmp(&side(*b)));
+    let best = largest(&mut (1..=count.max(1))).unwrap_or(1);
+    let full = largest(&mut (1..=count).filter(|columns| count % columns == 0));
+    let best = full.filter(|full| side(*full) >= IN_LINE * side(best)).unwrap_or(best);
     let side = side(best).max(8.0);
     let tile = |i: usize| {
         let (column, row) = ((i % best) as f32, (i / best) as f32);
@@ -109,6 +117,10 @@ mod tests {
         // Two in a row: 195 wide and 200 high; one above the other they would be 85 high.
         let two = tiles(room, 2, 20.0, 10.0);
         assert_eq!([two[0].width(), two[1].left(), two[1].top()], [195.0, 205.0, 20.0]);
+        // Three and one would be 260 large, four in a row are 242.
+        let four = tiles(Rect::from_min_size(Pos2::ZERO, vec2(1000.0, 580.0)), 4, 20.0, 10.0);
+        assert_eq!(four.iter().map(|tile| tile.top()).collect::<Vec<_>>(), [20.0; 4]);
+        assert_eq!(four[0].width(), 242.5);
         let seven = tiles(room, 7, 20.0, 10.0);
         for (i, a) in seven.iter().enumerate() {
             assert!(room.contains_rect(*a));
