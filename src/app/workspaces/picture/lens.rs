@@ -117,10 +117,10 @@ mod tests {
         // Two in a row: 195 wide and 200 high; one above the other they would be 85 high.
         let two = tiles(room, 2, 20.0, 10.0);
         assert_eq!([two[0].width(), two[1].left(), two[1].top()], [195.0, 205.0, 20.0]);
-        // Three and one would be 260 large, four in a row are 242.
+        // Two and two are as large as three and one: (580 − 10)/2 − 20.
         let four = tiles(Rect::from_min_size(Pos2::ZERO, vec2(1000.0, 580.0)), 4, 20.0, 10.0);
-        assert_eq!(four.iter().map(|tile| tile.top()).collect::<Vec<_>>(), [20.0; 4]);
-        assert_eq!(four[0].width(), 242.5);
+        assert_eq!(four.iter().map(|tile| tile.top()).collect::<Vec<_>>(), [20.0, 20.0, 315.0, 315.0]);
+        assert_eq!(four[0].width(), 265.0);
         let seven = tiles(room, 7, 20.0, 10.0);
         for (i, a) in seven.iter().enumerate() {
             assert!(room.contains_rect(*a));
