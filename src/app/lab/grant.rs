@@ -70,6 +70,10 @@ impl Lab {
             Command::Save if path.is_some() => self.session.save(None),
             Command::Save | Command::SaveAs => self.dialog.ask(Purpose::SaveAs, path),
             Command::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
+            Command::Theme => {
+                let is_dark = ctx.theme() == egui::Theme::Dark;
+                ctx.set_theme(if is_dark { egui::Theme::Light } else { egui::Theme::Dark });
+            }
             Command::WholeSlice => {
                 self.workspaces.light.whole();
                 self.workspaces.picture.whole();

@@ -70,6 +70,8 @@ pub enum Command {
     Merged,
     /// Zoom and pan back to the whole slice.
     WholeSlice,
+    /// From the dark theme to the light one, or back.
+    Theme,
     /// The workspace of light in the volume.
     ToLight,
     /// The workspace of the scene.
@@ -142,7 +144,7 @@ pub enum Command {
 
 impl Command {
     /// All of them, in the order of the keyboard reference.
-    pub const ALL: [Command; 65] = [
+    pub const ALL: [Command; 66] = [
         Command::Open,
         Command::Save,
         Command::SaveAs,
@@ -203,6 +205,7 @@ impl Command {
         Command::Gallery,
         Command::FoldScene,
         Command::FoldPlots,
+        Command::Theme,
         Command::SelectTool,
         Command::LightTool,
         Command::OccluderTool,
@@ -286,6 +289,7 @@ impl Command {
             Command::Gallery => ("Gallery…", "The built-in presets, with pictures and what to look for"),
             Command::FoldScene => ("Fold the scene", "Fold the panel of the scene to a strip, or open it"),
             Command::FoldPlots => ("Fold the plots", "Fold the plots to a strip, or open them"),
+            Command::Theme => ("Light or dark theme", "From the dark theme to the light one, or back"),
             Command::SelectTool => ("Select", "Click a cell to pin it, an object to change it by its handles"),
             Command::LightTool => {
                 ("Add light", "Click a cell of a view to add an injector there, or drag out a rectangle")
@@ -369,6 +373,7 @@ impl Command {
             Command::Gallery => with_control(Key::G),
             Command::FoldScene => plain(Key::F9),
             Command::FoldPlots => plain(Key::F10),
+            Command::Theme => plain(Key::F11),
             Command::SelectTool => plain(Key::V),
             Command::LightTool => plain(Key::E),
             Command::OccluderTool => plain(Key::X),

@@ -60,6 +60,8 @@ impl Panels for Light {
             let room = (height * 0.36).max(200.0);
             let name = if height > TALL { "errors, tall" } else { "errors" };
             Panel::bottom(name).default_size(room).size_range(90.0..=700.0).resizable(true).show(ui, |ui| {
+                // The panel keeps its size where there is nothing to plot yet.
+                ui.set_min_height(ui.available_height());
                 plots::bar(ui, session, asks);
                 if !beside {
                     Panel::right("inspector").exact_size(312.0).resizable(false).show(ui, |ui| {
