@@ -17,7 +17,6 @@ pub mod pattern;
 pub mod picture;
 pub mod profile;
 pub mod race;
-pub mod random;
 pub mod reference;
 pub mod stability;
 pub mod stress;

@@ -3,4 +3,5 @@
 pub mod file;
 pub mod interrupt;
 pub mod memory;
+pub mod random;
 pub mod text;

@@ -11,9 +11,9 @@ pub mod outlook;
 
 use std::f64::consts::PI;
 
-use super::random::Random;
 use crate::field::{Cell, Grid};
 use crate::sh::Sh;
+use crate::system::random::Random;
 use crate::transport::lattice::face::Direction;
 use crate::transport::lattice::kernel::plain;
 use crate::transport::lattice::scheme::Scheme;

@@ -16,7 +16,7 @@ mod inspect;
 pub mod occluded;
 pub mod pass;
 pub mod plain;
-mod row;
+pub(super) mod row;
 mod slab;
 mod split;
 pub mod step;
