@@ -75,6 +75,7 @@ impl<const K: usize> Estimates<K> {
     }
 
     /// As many batches as an error bar wants, of `samples` for each item altogether (at least one a batch).
+    #[cfg(test)]
     pub fn add_all(&mut self, samples: u64, watch: Watch, of: impl Fn(usize, Sample) -> [f64; K] + Sync) -> bool {
         let each = samples.div_ceil(u64::from(BATCHES)).max(1);
         (0..BATCHES).all(|batch| {

@@ -12,18 +12,18 @@
 //! A mistake is never named while a scheme that is right fits as well. [`catalogue`] holds the mistakes.
 
 pub mod beside;
-pub mod catalogue;
+pub(crate) mod catalogue;
 pub mod files;
-pub mod fit;
-pub mod injection;
-pub mod iterations;
-pub mod laws;
+pub(crate) mod fit;
+pub(crate) mod injection;
+pub(crate) mod iterations;
+pub(crate) mod laws;
 pub mod layout;
 pub mod light;
-pub mod port;
-pub mod search;
+pub(crate) mod port;
+pub(crate) mod search;
 pub mod verdict;
-pub mod weights;
+pub(crate) mod weights;
 
 mod judge;
 

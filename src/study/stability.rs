@@ -5,8 +5,8 @@
 //! λ the growth of its slowest mode at p = 1. So the light stays bounded up to the critical factor 1/λ,
 //! which is smaller the larger the volume: less light is near a border.
 
-pub mod drift;
-pub mod level;
+pub(crate) mod drift;
+pub(crate) mod level;
 pub mod outlook;
 
 use std::f64::consts::PI;

@@ -92,7 +92,6 @@ struct Bound {
 pub struct Volume {
     card: &'static Device,
     sizes: Levels,
-    channels: usize,
     layout: Layout,
     /// Source and target in turn, then the sum; by bank.
     light: [Vec<wgpu::Buffer>; 3],
@@ -161,7 +160,6 @@ impl Volume {
         let mut volume = Volume {
             card,
             sizes,
-            channels,
             layout,
             light,
             marks,
@@ -331,16 +329,6 @@ impl Volume {
                 }
             }
         })
-    }
-
-    /// The card it lies on.
-    pub fn card(&self) -> &'static Device {
-        self.card
-    }
-
-    /// How many channels it holds.
-    pub fn channels(&self) -> usize {
-        self.channels
     }
 }
 
