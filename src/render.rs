@@ -8,11 +8,11 @@
 //! - [`truth`]: what light does in the scene itself, path traced ([`bounce`], [`estimate`], [`sampler`], [`sequence`],
 //!   [`sparks`]).
 
-pub mod bounce;
+pub(crate) mod bounce;
 pub(crate) mod cells;
 pub(crate) mod estimate;
 pub mod image;
-pub mod lamp;
+pub(crate) mod lamp;
 pub(crate) mod patch_light;
 pub(crate) mod rgb;
 pub(crate) mod sampler;
@@ -25,6 +25,8 @@ pub mod truth;
 pub mod view;
 pub mod world;
 
+pub use bounce::Bounces;
+pub use lamp::{Lamp, Ray};
 pub use seen::Seen;
 
 #[cfg(test)]

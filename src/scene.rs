@@ -17,7 +17,7 @@ pub mod mesh_scene;
 pub mod occluder;
 pub mod path;
 pub(crate) mod placement;
-pub mod preset;
+pub(crate) mod preset;
 pub mod propagation;
 pub mod shadow_map;
 pub mod stage;

@@ -11,7 +11,7 @@ pub mod descent;
 pub(crate) mod divergence;
 #[cfg(feature = "gpu")]
 pub mod gpu;
-pub mod kind;
+pub(crate) mod kind;
 pub mod lattice;
 pub mod options;
 pub mod ordinates;
@@ -26,7 +26,7 @@ use std::sync::LazyLock;
 
 pub use arrivals::Arrivals;
 pub use divergence::Divergence;
-pub use kind::{Kind, Transport};
+pub use kind::{Capabilities, Kind, Law, Precision, Setup, Transport};
 pub use refusal::{Refusal, refuse_what_does_not_fit};
 pub use solve::{Converged, Found, NoFixedPoint, Solve, solve};
 pub use state::{Light, State};

@@ -11,27 +11,30 @@
 //!
 //! A mistake is never named while a scheme that is right fits as well. [`catalogue`] holds the mistakes.
 
-pub mod beside;
+pub(crate) mod beside;
 pub(crate) mod catalogue;
-pub mod files;
+pub(crate) mod files;
 pub(crate) mod fit;
 pub(crate) mod injection;
 pub(crate) mod iterations;
 pub(crate) mod laws;
-pub mod layout;
-pub mod light;
+pub(crate) mod layout;
+pub(crate) mod light;
 pub(crate) mod port;
 pub(crate) mod search;
-pub mod verdict;
+pub(crate) mod verdict;
 pub(crate) mod weights;
 
 mod judge;
 
 use std::collections::BTreeMap;
 
+pub use beside::{Beside, beside};
+pub use files::Role;
 use injection::Injection;
-use layout::{Axes, Coefficients, Dump, Layout};
-use verdict::Verdict;
+pub use layout::{Axes, Coefficients, Dump, Layout};
+pub use light::{Storage, half};
+pub use verdict::{Judgement, Named, Verdict};
 
 use super::pattern::Pattern;
 

@@ -7,8 +7,9 @@
 
 pub(crate) mod drift;
 pub(crate) mod level;
-pub mod outlook;
+pub(crate) mod outlook;
 
+pub use outlook::{Exceeded, exceeded, surely_bounded};
 use std::f64::consts::PI;
 
 use crate::field::{Cell, Grid};

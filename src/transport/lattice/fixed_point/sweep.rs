@@ -108,17 +108,17 @@ fn rows<const L: usize>(
         let (to_c, to_x) = (chunked_mut(&mut to_c[start..], chunks), chunked_mut(&mut to_x[start..], chunks));
         let (to_y, to_z) = (chunked_mut(&mut to_y[start..], chunks), chunked_mut(&mut to_z[start..], chunks));
         // A plane at a time: few neighbours at once, as in the kernel's own loops.
-        for k in 0..chunks {
-            to_c[k] = row::mean::<f32, L>(share, c, [vx[0], vy[1], vz[2]], k);
+        for (k, to) in to_c.iter_mut().enumerate() {
+            *to = row::mean::<f32, L>(share, c, [vx[0], vy[1], vz[2]], k);
         }
-        for k in 0..chunks {
-            to_x[k] = row::direction::<f32, L>(share, c[0], vx[0], [vx[1], vx[2]], k);
+        for (k, to) in to_x.iter_mut().enumerate() {
+            *to = row::direction::<f32, L>(share, c[0], vx[0], [vx[1], vx[2]], k);
         }
-        for k in 0..chunks {
-            to_y[k] = row::direction::<f32, L>(share, c[1], vy[1], [vy[0], vy[2]], k);
+        for (k, to) in to_y.iter_mut().enumerate() {
+            *to = row::direction::<f32, L>(share, c[1], vy[1], [vy[0], vy[2]], k);
         }
-        for k in 0..chunks {
-            to_z[k] = row::direction::<f32, L>(share, c[2], vz[2], [vz[0], vz[1]], k);
+        for (k, to) in to_z.iter_mut().enumerate() {
+            *to = row::direction::<f32, L>(share, c[2], vz[2], [vz[0], vz[1]], k);
         }
     }
 }
