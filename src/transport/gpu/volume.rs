@@ -131,13 +131,12 @@ impl Volume {
             return Err(failed(format!("a buffer of {bank} bytes is more than its {}", limits.max_buffer_size)));
         }
         let passes = layout.passes(binding).ok_or_else(|| failed(format!("it binds {binding} bytes at most")))?;
-        card.tried(|_| Self::build(card, sizes, channels, layout, &passes, constants, masks))
+        card.tried(|_| Self::build(card, sizes, layout, &passes, constants, masks))
     }
 
     fn build(
         card: &'static Device,
         sizes: Levels,
-        channels: usize,
         layout: Layout,
         passes: &[Pass],
         constants: &Constants,
