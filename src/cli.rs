@@ -14,7 +14,7 @@ mod mesh_scene;
 mod motion;
 mod numbers;
 mod octree;
-pub mod output;
+pub(crate) mod output;
 mod pareto;
 mod pattern;
 mod presets;

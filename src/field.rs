@@ -5,7 +5,7 @@ mod channels;
 mod distance;
 mod grid;
 mod index_volume;
-pub mod memory;
+pub(crate) mod memory;
 mod octree;
 mod slabs;
 

@@ -55,6 +55,23 @@
 //! light, [`study::difference`] holds one run against another, [`report::error_figure`] and [`report::picture`] draw,
 //! [`scene::cell_file`] reads and writes the light of cells.
 //!
+//! # What is public
+//!
+//! What a program of your own is built from; all else may change at any time:
+//!
+//! - [`scene`]: the [preset](scene::Preset) and its parts, built in code or read from a file, and the
+//!   [`Problem`](scene::Problem) they end in; [cell files](scene::cell_file).
+//! - [`simulation`]: a run, whole or step by step, and its [options](simulation::options).
+//! - [`field`], [`sh`]: the light that a run gives, cell by cell and level by level.
+//! - [`transport`]: the registry ([`transport::kinds`], [`transport::find`]), the trait of every way light travels,
+//!   the [schemes](transport::lattice::schemes) of the lattice as data and the
+//!   [kernel](transport::lattice::kernel::plain) that defines what they do.
+//! - [`study`]: what light is held against ([`study::expectation`]), and what is asked of several runs.
+//! - [`mesh`], [`render`]: triangles from files, cameras, direct light, pictures and their
+//!   [truth](render::truth).
+//! - [`report`]: figures, pictures, tables.
+//! - `system`, `cli`, `app`: what the program itself and its tests need.
+//!
 //! # The house
 //!
 //! Each floor uses only floors below it:
@@ -73,6 +90,9 @@
 //! | 1 | [`sh`] | two-band spherical harmonics |
 //! | 0 | [`system`] | memory that is free |
 #![forbid(unsafe_code)]
+// The docs of a module speak of its private parts too: `cargo doc --document-private-items` links them, and a name
+// that is gone is an error in either case.
+#![allow(rustdoc::private_intra_doc_links)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used))]
 
 #[cfg(feature = "app")]

@@ -8,22 +8,26 @@
 //! - [`truth`]: what light does in the scene itself, path traced ([`bounce`], [`estimate`], [`sampler`], [`sequence`],
 //!   [`sparks`]).
 
-pub mod bounce;
-pub mod cells;
-pub mod estimate;
+pub(crate) mod bounce;
+pub(crate) mod cells;
+pub(crate) mod estimate;
 pub mod image;
-pub mod lamp;
-pub mod patch_light;
-pub mod rgb;
-pub mod sampler;
-pub mod seen;
-pub mod sequence;
-pub mod sparks;
+pub(crate) mod lamp;
+pub(crate) mod patch_light;
+pub(crate) mod rgb;
+pub(crate) mod sampler;
+pub(crate) mod seen;
+pub(crate) mod sequence;
+pub(crate) mod sparks;
 pub mod stage;
 pub mod surface;
 pub mod truth;
 pub mod view;
 pub mod world;
+
+pub use bounce::Bounces;
+pub use lamp::{Lamp, Ray};
+pub use seen::Seen;
 
 #[cfg(test)]
 mod closed_forms;

@@ -7,26 +7,26 @@
 
 pub mod builtin;
 pub mod cell_file;
-pub mod doubts;
-pub mod dump_file;
-pub mod emitter;
-pub mod error;
-pub mod file;
+pub(crate) mod doubts;
+pub(crate) mod dump_file;
+pub(crate) mod emitter;
+pub(crate) mod error;
+pub(crate) mod file;
 pub mod injector;
 pub mod mesh_scene;
 pub mod occluder;
 pub mod path;
-pub mod placement;
-pub mod preset;
+pub(crate) mod placement;
+pub(crate) mod preset;
 pub mod propagation;
 pub mod shadow_map;
 pub mod stage;
-pub mod voxels;
+pub(crate) mod voxels;
 
 mod npy;
 mod occluder_file;
 mod place;
-pub mod receiver;
+pub(crate) mod receiver;
 mod region;
 mod row_text;
 mod rows;
@@ -37,17 +37,19 @@ mod value;
 use std::path::Path;
 use std::sync::Arc;
 
-pub use emitter::Cosine;
-pub use error::SceneError;
+pub use emitter::{Cosine, Emitter, Injected};
+pub use error::{Fault, Place, SceneError, Step};
 pub use occluder::Occlusion;
+pub use placement::Placement;
 pub use preset::Preset;
 pub use propagation::Propagation;
+pub use receiver::Receiver;
 pub use solids::Solid;
 pub use stage::Stage;
+pub use voxels::Voxels;
 
 use crate::field::{Cell, Channels, Grid, Marks};
 use crate::sh::{Real, Sh};
-use error::{Fault, Step};
 use occluder::{Accumulate, OcclusionMode};
 use stage::Cache;
 

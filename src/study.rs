@@ -1,7 +1,7 @@
 //! Questions put to simulations.
 
 pub mod artefacts;
-pub mod benchmark;
+pub(crate) mod benchmark;
 pub mod compare;
 pub mod difference;
 pub mod expectation;
@@ -16,8 +16,7 @@ pub mod pareto;
 pub mod pattern;
 pub mod picture;
 pub mod profile;
-pub mod race;
-pub mod random;
+pub(crate) mod race;
 pub mod reference;
 pub mod stability;
 pub mod stress;

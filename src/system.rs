@@ -1,6 +1,7 @@
 //! What the program needs of the machine that it runs on.
 
 pub mod file;
-pub mod interrupt;
+pub(crate) mod interrupt;
 pub mod memory;
+pub mod random;
 pub mod text;

@@ -5,29 +5,30 @@
 //! All of them take a [`Problem`](crate::scene::Problem) and grids; none knows the simulation that steps it. [`kinds`] is
 //! the list of those that can be stepped: what each of them can do is asked there.
 
-pub mod arrivals;
+pub(crate) mod arrivals;
 pub mod ballistic;
 pub mod descent;
-pub mod divergence;
+pub(crate) mod divergence;
 #[cfg(feature = "gpu")]
 pub mod gpu;
-pub mod kind;
+pub(crate) mod kind;
 pub mod lattice;
 pub mod options;
 pub mod ordinates;
 pub mod preset;
 mod refusal;
-pub mod solve;
-pub mod state;
+pub(crate) mod solve;
+pub(crate) mod state;
 pub mod team;
 pub mod transmittance;
 
 use std::sync::LazyLock;
 
+pub use arrivals::Arrivals;
 pub use divergence::Divergence;
-pub use kind::{Kind, Transport};
+pub use kind::{Capabilities, Kind, Law, Precision, Setup, Transport};
 pub use refusal::{Refusal, refuse_what_does_not_fit};
-pub use solve::solve;
+pub use solve::{Converged, Found, NoFixedPoint, Solve, solve};
 pub use state::{Light, State};
 
 use crate::scene::Propagation;

@@ -10,7 +10,7 @@ use lpv_lab::scene::propagation::{Policy, Snapshots};
 use lpv_lab::scene::{Preset, Problem, builtin};
 use lpv_lab::simulation::options::{Device, Options, Wanted};
 use lpv_lab::simulation::{Action, Simulation};
-use lpv_lab::transport::gpu::device::Device as Card;
+use lpv_lab::transport::gpu::Device as Card;
 use lpv_lab::transport::{self, preset};
 
 /// Whether there is a card to test.

@@ -13,8 +13,8 @@ use lpv_lab::sh::Sh;
 use lpv_lab::simulation::options::{Options, Skip, Wanted};
 use lpv_lab::simulation::{Action, Simulation};
 use lpv_lab::study::laws::{self, Reach, Symmetry};
-use lpv_lab::transport::kind::{Law, Precision};
 use lpv_lab::transport::{Kind, kinds};
+use lpv_lab::transport::{Law, Precision};
 
 const N: usize = 8;
 

@@ -10,7 +10,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use lpv_lab::study::random::Random;
+use lpv_lab::system::random::Random;
 
 const KILLS: usize = 50;
 

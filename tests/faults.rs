@@ -16,7 +16,7 @@ use std::time::{Duration, SystemTime};
 
 use lpv_lab::scene::Preset;
 use lpv_lab::scene::injector::{Injector, InjectorKind};
-use lpv_lab::study::random::Random;
+use lpv_lab::system::random::Random;
 
 /// Names the preset that [`saver`] saves.
 const FILE: &str = "LPV_LAB_TEST_SAVES_TO";

@@ -9,7 +9,7 @@ use std::process::Output;
 use std::time::Duration;
 
 use assert_cmd::Command;
-use lpv_lab::scene::preset::Preset;
+use lpv_lab::scene::Preset;
 use lpv_lab::scene::{Problem, cell_file};
 use lpv_lab::simulation::{Refusal, Simulation};
 use lpv_lab::system::memory;

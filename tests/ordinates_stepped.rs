@@ -9,7 +9,7 @@ use lpv_lab::scene::propagation::{Propagation, Snapshots};
 use lpv_lab::scene::{Occlusion, Problem, Solid, Source};
 use lpv_lab::sh::Sh;
 use lpv_lab::simulation::{Action, Refusal, Simulation};
-use lpv_lab::transport::kind::Precision;
+use lpv_lab::transport::Precision;
 use lpv_lab::transport::ordinates::Ordinates;
 use lpv_lab::transport::transmittance::Transmittance;
 

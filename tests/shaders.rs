@@ -11,7 +11,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use assert_cmd::Command;
-use lpv_lab::transport::gpu::device::Device;
+use lpv_lab::transport::gpu::Device;
 use wgpu::BufferUsages;
 
 /// The side of the finest level, and the levels: 16, 8, 4, 2, 1.

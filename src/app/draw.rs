@@ -1,17 +1,17 @@
 //! What the window draws itself: slices, glyphs, light in space.
 
-pub mod axis;
-pub mod ball;
-pub mod borders;
-pub mod clip;
-pub mod glyphs;
-pub mod grids;
-pub mod ink;
-pub mod lobes;
-pub mod mesh_cut;
-pub mod placing;
-pub mod scales;
-pub mod space;
-pub mod sprites;
-pub mod stage;
-pub mod style;
+pub(crate) mod axis;
+pub(crate) mod ball;
+pub(crate) mod borders;
+pub(crate) mod clip;
+pub(crate) mod glyphs;
+pub(crate) mod grids;
+pub(crate) mod ink;
+pub(crate) mod lobes;
+pub(crate) mod mesh_cut;
+pub(crate) mod placing;
+pub(crate) mod scales;
+pub(crate) mod space;
+pub(crate) mod sprites;
+pub(crate) mod stage;
+pub(crate) mod style;

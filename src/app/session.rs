@@ -1,33 +1,33 @@
 //! The window's state: the document, its run, what is looked at, and what is found out aside. It knows no panel:
 //! panels read it and return [`ask::Ask`]s, which change it once the frame is drawn.
 
-pub mod asides;
-pub mod ask;
-pub mod branches;
-pub mod cell_files;
-pub mod command;
-pub mod comparison;
-pub mod curves;
-pub mod document;
-pub mod folds;
-pub mod format;
-pub mod guide;
-pub mod items;
-pub mod line;
-pub mod pareto;
-pub mod picture;
-pub mod pin;
-pub mod place;
-pub mod plots;
-pub mod port;
-pub mod purpose;
-pub mod run;
-pub mod settings;
-pub mod sight;
-pub mod steps;
-pub mod titles;
-pub mod unreadable;
-pub mod view;
+pub(crate) mod asides;
+pub(crate) mod ask;
+pub(crate) mod branches;
+pub(crate) mod cell_files;
+pub(crate) mod command;
+pub(crate) mod comparison;
+pub(crate) mod curves;
+pub(crate) mod document;
+pub(crate) mod folds;
+pub(crate) mod format;
+pub(crate) mod guide;
+pub(crate) mod items;
+pub(crate) mod line;
+pub(crate) mod pareto;
+pub(crate) mod picture;
+pub(crate) mod pin;
+pub(crate) mod place;
+pub(crate) mod plots;
+pub(crate) mod port;
+pub(crate) mod purpose;
+pub(crate) mod run;
+pub(crate) mod settings;
+pub(crate) mod sight;
+pub(crate) mod steps;
+pub(crate) mod titles;
+pub(crate) mod unreadable;
+pub(crate) mod view;
 
 use std::path::{Path, PathBuf};
 

@@ -7,16 +7,16 @@
 //! here is caught and told, and the window lives on.
 
 mod branches;
-pub mod cut;
+pub(crate) mod cut;
 mod desk;
-pub mod history;
+pub(crate) mod history;
 mod ledger;
-pub mod look;
+pub(crate) mod look;
 mod orders;
-pub mod peaks;
-pub mod received;
-pub mod rival;
-pub mod track;
+pub(crate) mod peaks;
+pub(crate) mod received;
+pub(crate) mod rival;
+pub(crate) mod track;
 
 use std::path::PathBuf;
 use std::sync::Arc;

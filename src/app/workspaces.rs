@@ -8,10 +8,10 @@
 //! changes the session. What takes long goes into [`asides`](super::session::asides), asked for in every frame that
 //! shows it.
 
-pub mod light;
-pub mod picture;
-pub mod scene;
-pub mod study;
+pub(crate) mod light;
+pub(crate) mod picture;
+pub(crate) mod scene;
+pub(crate) mod study;
 
 use egui::{Context, Ui};
 

@@ -28,9 +28,10 @@ use std::f64::consts::PI;
 
 use super::rgb::{Rgb, add, times};
 use super::sampler;
-use super::sequence::{Points, Stream};
+use super::sequence::Points;
 use super::sparks::{Spark, Sparks};
 use super::world::{Surface, World};
+use crate::system::random::Random;
 
 /// How often light is reflected on its way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -82,7 +83,7 @@ pub fn indirect(
     surface: &Surface,
     bounces: Bounces,
     first: [f64; 4],
-    later: &mut Stream,
+    later: &mut Random,
 ) -> Rgb {
     let (mut sum, mut weight) = ([0.0; 3], [1.0; 3]);
     let (mut at, mut numbers) = (*surface, first);
@@ -113,7 +114,7 @@ fn one_bounce(
     sparks: &Sparks,
     at: &Surface,
     [u, v, s, t]: [f64; 4],
-    later: &mut Stream,
+    later: &mut Random,
 ) -> (Rgb, Option<Surface>) {
     let mut sum = [0.0; 3];
     let next = world.meet(at.at, sampler::cosine(at.normal, [u, v]));

@@ -10,7 +10,7 @@
 
 use rayon::prelude::*;
 
-use super::sequence::Stream;
+use crate::system::random::Random;
 
 /// How many batches tell an error bar.
 pub const BATCHES: u32 = 16;
@@ -27,7 +27,7 @@ pub struct Sample {
     /// The item's shifts in this batch, for as many dimensions as there may be ([`Points::at`](super::sequence::Points::at)).
     pub shift: [u64; DIMENSIONS],
     /// As many random numbers as are wanted, unrelated to those of other samples.
-    pub more: Stream,
+    pub more: Random,
 }
 
 /// Estimates of K numbers for each item.
@@ -75,6 +75,7 @@ impl<const K: usize> Estimates<K> {
     }
 
     /// As many batches as an error bar wants, of `samples` for each item altogether (at least one a batch).
+    #[cfg(test)]
     pub fn add_all(&mut self, samples: u64, watch: Watch, of: impl Fn(usize, Sample) -> [f64; K] + Sync) -> bool {
         let each = samples.div_ceil(u64::from(BATCHES)).max(1);
         (0..BATCHES).all(|batch| {
@@ -119,11 +120,11 @@ impl<const K: usize> Estimates<K> {
 
 /// The mean of one batch, `of_batch`: seed, item and batch.
 fn mean<const K: usize>(of_batch: [u64; 3], samples: u64, of: &impl Fn(usize, Sample) -> [f64; K]) -> [f64; K] {
-    let mut stream = Stream::new(of_batch);
-    let (shift, later) = (stream.shift(), stream.bits());
+    let mut stream = Random::of(of_batch);
+    let (shift, later) = (stream.words(), stream.bits());
     let mut sum = [0.0; K];
     for number in 0..samples {
-        let sample = Sample { number, shift, more: Stream::new([later, number]) };
+        let sample = Sample { number, shift, more: Random::of([later, number]) };
         for (sum, value) in sum.iter_mut().zip(of(of_batch[1] as usize, sample)) {
             *sum += value;
         }

@@ -15,6 +15,7 @@ use glam::DVec3;
 
 use super::rgb::Rgb;
 use super::sampler;
+use crate::scene::mesh_scene::fade;
 
 /// A light, ready for a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,18 +121,6 @@ fn towards(at: DVec3, position: DVec3, intensity: impl Fn(DVec3) -> Rgb) -> Ray 
     }
     let to_light = offset / distance;
     Ray { to_light, distance, across: intensity(-to_light).map(|i| i / squared) }
-}
-
-/// 1 from `full` on, 0 below `edge`, smooth between (3t² − 2t³).
-fn fade(cosine: f64, edge: f64, full: f64) -> f64 {
-    if cosine < edge {
-        0.0
-    } else if cosine >= full {
-        1.0
-    } else {
-        let t = (cosine - edge) / (full - edge);
-        t * t * (3.0 - 2.0 * t)
-    }
 }
 
 #[cfg(test)]

@@ -62,14 +62,14 @@ pub fn choose(sums: &[f64], u: f64) -> (usize, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::sequence::Stream;
+    use crate::system::random::Random;
 
     const DRAWS: usize = 64_000;
 
     /// Chi-squared of draws over bins that are equally likely, beside what is exceeded once in ten thousand times
     /// (Wilson and Hilferty's approximation).
     fn fits(bins: usize, mut bin: impl FnMut([f64; 2]) -> usize) {
-        let mut stream = Stream::new([bins as u64, 5]);
+        let mut stream = Random::of([bins as u64, 5]);
         let mut counts = vec![0usize; bins];
         for _ in 0..DRAWS {
             counts[bin([stream.unit(), stream.unit()])] += 1;

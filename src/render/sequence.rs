@@ -4,17 +4,12 @@
 //! fractional part of s + i·(φ⁻¹, φ⁻², …, φ⁻ᵈ). It is computed in 64-bit fixed point, where sums wrap round as
 //! fractional parts do, so nothing is rounded however large i is. The shift s makes a set of points random
 //! (Cranley and Patterson 1976): the mean over one set is an unbiased estimate, and those of several sets tell
-//! its error. [`Stream`] gives s, and numbers where there is no fixed count of dimensions.
+//! its error. [`Random`](crate::system::random::Random) gives s, and numbers where there is no fixed count of
+//! dimensions.
 //!
 //! (M. Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018.)
 
-/// 2⁻⁵³, the spacing of the numbers given.
-const SPACING: f64 = 1.0 / (1u64 << 53) as f64;
-
-/// A number from 0 up to but not including 1.
-fn unit(bits: u64) -> f64 {
-    (bits >> 11) as f64 * SPACING
-}
+use crate::system::random::unit;
 
 /// Roberts' sequence in D dimensions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,42 +44,10 @@ impl<const D: usize> Default for Points<D> {
     }
 }
 
-/// SplitMix64 (Steele, Lea and Flood 2014), begun from several numbers: one stream for each pixel, batch and point.
-#[derive(Clone, Debug)]
-pub struct Stream(u64);
-
-impl Stream {
-    /// The stream of the numbers `of`.
-    pub fn new<const N: usize>(of: [u64; N]) -> Self {
-        let mut stream = Stream(0);
-        for number in of {
-            stream.0 = stream.bits() ^ number;
-        }
-        stream
-    }
-
-    /// 64 even bits.
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// A number from 0 up to but not including 1.
-    pub fn unit(&mut self) -> f64 {
-        unit(self.bits())
-    }
-
-    /// A shift for [`Points::at`].
-    pub fn shift<const D: usize>(&mut self) -> [u64; D] {
-        std::array::from_fn(|_| self.bits())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::system::random::Random;
 
     #[test]
     fn one_dimension_is_the_golden_ratio_and_two_the_plastic_number() {
@@ -103,24 +66,10 @@ mod tests {
             (0..count).map(value).sum::<f64>() / count as f64
         };
         let count = 256;
-        let errors: Vec<f64> = (0..400).map(|seed| mean(&Stream::new([seed]).shift(), count) - 1.0).collect();
+        let errors: Vec<f64> = (0..400).map(|seed| mean(&Random::of([seed]).words(), count) - 1.0).collect();
         let rms = (errors.iter().map(|e| e * e).sum::<f64>() / 400.0).sqrt();
         let bias = errors.iter().sum::<f64>() / 400.0;
         assert!(rms < 0.75 * 2.15 / (count as f64).sqrt(), "{rms}");
         assert!(bias.abs() < 4.0 * rms / 20.0, "{bias}, {rms}");
-    }
-
-    #[test]
-    fn streams_of_other_numbers_differ_and_fill_their_range() {
-        let first = |of: [u64; 2]| Stream::new(of).bits();
-        assert_ne!(first([1, 2]), first([2, 1]));
-        assert_ne!(first([0, 0]), first([0, 1]));
-        let mut bins = [0u32; 16];
-        for seed in 0..16_000 {
-            bins[(Stream::new([seed, 7]).unit() * 16.0) as usize] += 1;
-        }
-        // Chi-squared with 15 degrees of freedom exceeds 37.7 once in a thousand times.
-        let chi: f64 = bins.iter().map(|n| (f64::from(*n) - 1000.0).powi(2) / 1000.0).sum();
-        assert!(chi < 37.7, "{chi}");
     }
 }

@@ -7,8 +7,8 @@
 use rayon::prelude::*;
 
 use super::rgb::Rgb;
-use super::sequence::Stream;
 use super::world::{Surface, World};
+use crate::system::random::Random;
 
 /// Rays along each side of a lamp's grid.
 const SIDE: usize = 256;
@@ -43,7 +43,7 @@ impl Sparks {
 }
 
 fn spark(world: &World, batch: u64, lamp: usize, i: usize) -> Option<Spark> {
-    let mut jitter = Stream::new([batch, lamp as u64, i as u64]);
+    let mut jitter = Random::of([batch, lamp as u64, i as u64]);
     let lamp = &world.lamps()[lamp];
     let [s, t] = [i % SIDE, i / SIDE].map(|place| (place as f64 + jitter.unit()) / SIDE as f64);
     let (from, way) = lamp.ray([s, t]);

@@ -19,6 +19,7 @@ pub fn read_text(path: &Path, limit: u64) -> Result<String, SceneError> {
 ///
 /// # Errors
 /// Where it cannot be written; the file is then what it was before.
+#[cfg(feature = "app")]
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), SceneError> {
     Ok(file::write_whole(path, bytes)?)
 }

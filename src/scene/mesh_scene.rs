@@ -228,15 +228,7 @@ impl Light {
     /// that does not fade, 0 beyond the half angle, and 3t² − 2t³ of the cosine between; 1 for other lights.
     pub fn share(&self, cosine: f64) -> f64 {
         let LightKind::Spot { angle, blend, .. } = self.kind else { return 1.0 };
-        let (edge, full) = (angle.to_radians().cos(), (angle * (1.0 - blend)).to_radians().cos());
-        if cosine < edge {
-            0.0
-        } else if cosine >= full {
-            1.0
-        } else {
-            let t = (cosine - edge) / (full - edge);
-            t * t * (3.0 - 2.0 * t)
-        }
+        fade(cosine, angle.to_radians().cos(), (angle * (1.0 - blend)).to_radians().cos())
     }
 
     fn check(&self) -> Result<(), Fault> {
@@ -285,6 +277,18 @@ impl Light {
                 Err(Fault::new(format!("the light has no {name}"), format!("write {name}: (1, 1, 1), in {unit_name}")))
             }
         }
+    }
+}
+
+/// The share of a spot light's intensity at an angle of this cosine to its direction: 1 from `full` on, 0 below `edge`, smooth between (3t² − 2t³).
+pub fn fade(cosine: f64, edge: f64, full: f64) -> f64 {
+    if cosine < edge {
+        0.0
+    } else if cosine >= full {
+        1.0
+    } else {
+        let t = (cosine - edge) / (full - edge);
+        t * t * (3.0 - 2.0 * t)
     }
 }
 

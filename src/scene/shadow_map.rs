@@ -189,11 +189,6 @@ impl Texel {
     }
 }
 
-/// The exact solid angle of a rectangle on the plane at distance 1, in sr.
-pub fn solid_angle(x: [f64; 2], y: [f64; 2]) -> f64 {
-    between(y.map(|y| x.map(|x| corner(x, y))))
-}
-
 /// The part of a rectangle's solid angle that comes from its corner at (x, y).
 fn corner(x: f64, y: f64) -> f64 {
     (x * y / (1.0 + x * x + y * y).sqrt()).atan()
@@ -236,6 +231,11 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
+
+    /// The exact solid angle of a rectangle on the plane at distance 1, in sr.
+    fn solid_angle(x: [f64; 2], y: [f64; 2]) -> f64 {
+        between(y.map(|y| x.map(|x| corner(x, y))))
+    }
 
     #[test]
     fn a_face_of_texels_has_the_solid_angle_of_a_cubes_side() {

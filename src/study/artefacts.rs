@@ -6,7 +6,7 @@
 //! [`jump`]. Light is measured by its c00, summed over red, green and blue ([`Brightness`]).
 
 pub mod back_bleeding;
-pub mod behind;
+pub(crate) mod behind;
 pub mod jump;
 pub mod leak;
 mod nearest;

@@ -4,12 +4,12 @@
 //! All loops of one size are timed in turn, several rounds of it, and medians are reported: what else the
 //! machine does then meets all of them alike, and ratios from one run can be trusted where times cannot.
 
-pub mod aos;
+pub(crate) mod aos;
 #[cfg(feature = "gpu")]
-pub mod card;
+pub(crate) mod card;
 mod dense;
 mod fading;
-pub mod mesh_scene;
+pub(crate) mod mesh_scene;
 mod pipeline;
 mod skipping;
 mod triad;

@@ -24,7 +24,7 @@
 //! field of [`References`].
 
 pub mod error;
-pub mod held;
+pub(crate) mod held;
 pub mod truths;
 
 use std::fmt;

@@ -11,27 +11,30 @@
 //!
 //! A mistake is never named while a scheme that is right fits as well. [`catalogue`] holds the mistakes.
 
-pub mod beside;
-pub mod catalogue;
-pub mod files;
-pub mod fit;
-pub mod injection;
-pub mod iterations;
-pub mod laws;
-pub mod layout;
-pub mod light;
-pub mod port;
-pub mod search;
-pub mod verdict;
-pub mod weights;
+pub(crate) mod beside;
+pub(crate) mod catalogue;
+pub(crate) mod files;
+pub(crate) mod fit;
+pub(crate) mod injection;
+pub(crate) mod iterations;
+pub(crate) mod laws;
+pub(crate) mod layout;
+pub(crate) mod light;
+pub(crate) mod port;
+pub(crate) mod search;
+pub(crate) mod verdict;
+pub(crate) mod weights;
 
 mod judge;
 
 use std::collections::BTreeMap;
 
+pub use beside::{Beside, beside};
+pub use files::Role;
 use injection::Injection;
-use layout::{Axes, Coefficients, Dump, Layout};
-use verdict::Verdict;
+pub use layout::{Axes, Coefficients, Dump, Layout};
+pub use light::{Storage, half};
+pub use verdict::{Judgement, Named, Verdict};
 
 use super::pattern::Pattern;
 

@@ -12,7 +12,7 @@
 //! Times are medians over rounds in which all ways take turns. They hold all that is computed between the
 //! injected and the merged light, but not the making of the grids.
 
-pub mod synthetic;
+pub(crate) mod synthetic;
 mod way;
 
 use super::expectation::Expectation;

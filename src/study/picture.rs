@@ -8,7 +8,7 @@
 //! Each as the pictures are and after the one scale of the indirect light i that makes the RMSE least,
 //! Σ i·(r − d) / Σ i² with the direct light d: renderers scale light by taste, but not the light of lamps.
 
-pub mod flip;
+pub(crate) mod flip;
 
 use crate::render::image::Image;
 use crate::render::seen::Seen;

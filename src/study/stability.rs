@@ -5,15 +5,16 @@
 //! λ the growth of its slowest mode at p = 1. So the light stays bounded up to the critical factor 1/λ,
 //! which is smaller the larger the volume: less light is near a border.
 
-pub mod drift;
-pub mod level;
-pub mod outlook;
+pub(crate) mod drift;
+pub(crate) mod level;
+pub(crate) mod outlook;
 
+pub use outlook::{Exceeded, exceeded, surely_bounded};
 use std::f64::consts::PI;
 
-use super::random::Random;
 use crate::field::{Cell, Grid};
 use crate::sh::Sh;
+use crate::system::random::Random;
 use crate::transport::lattice::face::Direction;
 use crate::transport::lattice::kernel::plain;
 use crate::transport::lattice::scheme::Scheme;

@@ -9,7 +9,7 @@ pub use invariants::{Broken, Invariant};
 pub use scenes::preset;
 
 use crate::scene::Preset;
-use crate::study::random::Random;
+use crate::system::random::Random;
 
 /// A rule that a scene broke.
 #[derive(Clone, Debug, PartialEq)]

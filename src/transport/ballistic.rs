@@ -14,8 +14,8 @@
 //! ([`solid_angle`]); a cell that s sees both sides of an edge of is given the light of its centre's direction.
 
 mod pattern;
-pub mod solid_angle;
-pub mod visibility;
+pub(crate) mod solid_angle;
+pub(crate) mod visibility;
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 

@@ -31,7 +31,7 @@ mod conformance;
 mod course;
 mod first_steps;
 pub mod nest;
-pub mod partition;
+pub(crate) mod partition;
 mod sample;
 mod solids;
 mod staged;

@@ -1,10 +1,12 @@
 //! Light on a graphics card, with the bits of the processor's loops.
 
-pub mod card;
-pub mod device;
-pub mod export;
-pub mod layout;
+pub(crate) mod card;
+pub(crate) mod device;
+pub(crate) mod export;
+pub(crate) mod layout;
 mod pipeline;
-pub mod porting;
-pub mod text;
-pub mod volume;
+pub(crate) mod porting;
+pub(crate) mod text;
+pub(crate) mod volume;
+
+pub use device::Device;

@@ -18,11 +18,11 @@
 //! borders, the donor rule's more than the face rule's.
 
 mod beams;
-pub mod directions;
+pub(crate) mod directions;
 mod receive;
 mod reflect;
-pub mod shares;
-pub mod stepper;
+pub(crate) mod shares;
+pub(crate) mod stepper;
 mod surfaces;
 mod sweep;
 

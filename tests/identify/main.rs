@@ -5,7 +5,7 @@
 mod ports;
 
 use lpv_lab::study::identify::identify;
-use lpv_lab::study::identify::verdict::{Judgement, Verdict};
+use lpv_lab::study::identify::{Judgement, Verdict};
 use lpv_lab::study::pattern::Pattern;
 use ports::{PUBLISHED, Port, Random, dumps};
 
@@ -58,7 +58,7 @@ fn look(port: &Port, pattern: &Pattern, written: &ports::Written) -> Verdict {
 
 /// Whether the mistakes of a verdict are the port's, those that cannot be told apart being alike.
 fn names(verdict: &Verdict, wanted: &[&str]) -> bool {
-    let is = |named: &lpv_lab::study::identify::verdict::Named, id: &str| named.id == id || named.or.contains(&id);
+    let is = |named: &lpv_lab::study::identify::Named, id: &str| named.id == id || named.or.contains(&id);
     verdict.mistakes.len() == wanted.len() && wanted.iter().all(|id| verdict.mistakes.iter().any(|n| is(n, id)))
 }
 

@@ -1,9 +1,9 @@
 //! Ports with mistakes, made for these tests from the formulas alone: a plain simulation in double precision that
 //! knows nothing of the catalogue it tests.
 
+use lpv_lab::study::identify::Dump;
 use lpv_lab::study::identify::Dumps;
-use lpv_lab::study::identify::layout::Dump;
-use lpv_lab::study::identify::light::{Storage, half};
+use lpv_lab::study::identify::{Storage, half};
 use lpv_lab::study::pattern::Pattern;
 
 pub const K0: f64 = 0.282_094_791_773_878_14;

@@ -3,7 +3,7 @@
 
 mod aside;
 mod errand;
-pub mod flaws;
+pub(crate) mod flaws;
 
 use std::path::Path;
 use std::sync::Arc;

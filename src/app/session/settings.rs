@@ -173,7 +173,7 @@ fn nearest<T: PartialOrd + Copy>(number: T, range: RangeInclusive<T>, usual: T) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::random::Random;
+    use crate::system::random::Random;
 
     #[test]
     fn what_is_written_is_read_back_and_what_is_left_out_is_usual() {

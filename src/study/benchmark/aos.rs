@@ -59,6 +59,7 @@ impl Aos {
     }
 
     /// The light of a cell.
+    #[cfg(test)]
     pub fn light(&self, [x, y, z]: [usize; 3]) -> Sh<f32> {
         Sh(self.source[(z * self.n + y) * self.n + x].to_array())
     }

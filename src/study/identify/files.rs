@@ -29,7 +29,7 @@ impl Role {
     ///
     /// ```
     /// use std::path::Path;
-    /// use lpv_lab::study::identify::files::Role;
+    /// use lpv_lab::study::identify::Role;
     ///
     /// assert_eq!(Role::guess(Path::new("dumps/port_s2.npy")), Role::Source(2));
     /// assert_eq!(Role::guess(Path::new("A4.npy")), Role::Accumulated(4));

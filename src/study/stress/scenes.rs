@@ -6,7 +6,7 @@ use crate::scene::injector::{Injector, InjectorKind, Side};
 use crate::scene::occluder::{Axis, BlockingSign, Occluder, OccluderKind, Occlusion, OcclusionMode};
 use crate::scene::propagation::Policy;
 use crate::scene::propagation::{Propagation, Snapshots};
-use crate::study::random::Random;
+use crate::system::random::Random;
 use crate::transport;
 
 /// A preset of side 1 to 16 that passes [`Preset::check`] and names no file.

@@ -76,8 +76,8 @@ fn halve(preset: &mut Preset) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::random::Random;
     use crate::study::stress::scenes;
+    use crate::system::random::Random;
 
     #[test]
     fn what_does_not_matter_is_taken_away() {

@@ -23,6 +23,7 @@ pub enum Language {
 
 impl Language {
     /// All languages.
+    #[cfg(test)]
     pub const ALL: [Language; 5] = [Language::Wgsl, Language::Glsl, Language::Hlsl, Language::Msl, Language::Spirv];
 
     /// What names of its files end in.

@@ -92,7 +92,6 @@ struct Bound {
 pub struct Volume {
     card: &'static Device,
     sizes: Levels,
-    channels: usize,
     layout: Layout,
     /// Source and target in turn, then the sum; by bank.
     light: [Vec<wgpu::Buffer>; 3],
@@ -132,13 +131,12 @@ impl Volume {
             return Err(failed(format!("a buffer of {bank} bytes is more than its {}", limits.max_buffer_size)));
         }
         let passes = layout.passes(binding).ok_or_else(|| failed(format!("it binds {binding} bytes at most")))?;
-        card.tried(|_| Self::build(card, sizes, channels, layout, &passes, constants, masks))
+        card.tried(|_| Self::build(card, sizes, layout, &passes, constants, masks))
     }
 
     fn build(
         card: &'static Device,
         sizes: Levels,
-        channels: usize,
         layout: Layout,
         passes: &[Pass],
         constants: &Constants,
@@ -161,7 +159,6 @@ impl Volume {
         let mut volume = Volume {
             card,
             sizes,
-            channels,
             layout,
             light,
             marks,
@@ -331,16 +328,6 @@ impl Volume {
                 }
             }
         })
-    }
-
-    /// The card it lies on.
-    pub fn card(&self) -> &'static Device {
-        self.card
-    }
-
-    /// How many channels it holds.
-    pub fn channels(&self) -> usize {
-        self.channels
     }
 }
 

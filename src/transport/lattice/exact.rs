@@ -47,14 +47,14 @@
 //! a lone lobe at p = 3.8 .215 against 1.778 with axial, .200 against 1.689 with cone), and a descent of four iterations,
 //! over all cells or leaves r = 3, beats every octree whose levels go each by itself (`lpv-lab octree --scheme axial`).
 
-pub mod crossing;
+pub(crate) mod crossing;
 pub mod decay;
-pub mod filter;
-pub mod leaves;
+pub(crate) mod filter;
+pub(crate) mod leaves;
 mod meeting;
-pub mod sampling;
+pub(crate) mod sampling;
 mod step;
-pub mod walls;
+pub(crate) mod walls;
 mod within;
 
 #[cfg(test)]

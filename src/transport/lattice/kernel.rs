@@ -6,25 +6,26 @@
 //! in one pass over memory, and [`pass`] chooses between the last two. [`crate::transport::team`] is how threads share
 //! that work.
 
-pub mod blocked;
+pub(crate) mod blocked;
 #[cfg(test)]
 mod conformance;
-pub mod form;
+pub(crate) mod form;
 mod fuzzy;
 mod gather;
 mod inspect;
-pub mod occluded;
-pub mod pass;
+pub(crate) mod occluded;
+pub(crate) mod pass;
 pub mod plain;
-mod row;
+pub(super) mod row;
 mod slab;
 mod split;
-pub mod step;
-pub mod with_solids;
+pub(crate) mod step;
+pub(crate) mod with_solids;
 
 use crate::field::{Grid, Marks};
 use crate::sh::{Real, Sh};
 
+pub use form::{Form, Share};
 pub use inspect::lies_in_cone;
 pub use slab::{Instructions, Order, Tally};
 

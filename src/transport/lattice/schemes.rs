@@ -1,10 +1,10 @@
 //! The schemes of the lattice, one a file, and the list of them.
 
-pub mod axial;
-pub mod blog;
-pub mod cascaded;
-pub mod cone;
-pub mod reflective;
+pub(crate) mod axial;
+pub(crate) mod blog;
+pub(crate) mod cascaded;
+pub(crate) mod cone;
+pub(crate) mod reflective;
 
 use super::scheme::Scheme;
 

@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use lpv_lab::study::random::Random;
+use lpv_lab::system::random::Random;
 use lpv_lab::study::stress::{invariants, preset};
 
 fuzz_target!(|seed: u64| {

@@ -4,8 +4,8 @@ use super::{Broken, Case, Invariant};
 use crate::field::Grid;
 use crate::simulation::{Action, Simulation};
 use crate::study::laws::{self, Symmetry};
-use crate::study::random::Random;
 use crate::study::stability;
+use crate::system::random::Random;
 
 /// The largest side whose light is followed until it has settled.
 const LARGEST_SETTLED: usize = 4;

@@ -7,6 +7,7 @@ use multiversion::multiversion;
 use super::chessboard::{Half, Shape, parity};
 use super::lit_rows::LitRows;
 use crate::transport::lattice::kernel::form::Share;
+use crate::transport::lattice::kernel::row::{self, Beside, chunked, chunked_mut};
 use crate::transport::team;
 
 /// Cells computed at a time.
@@ -95,19 +96,30 @@ fn rows<const L: usize>(
     other: [&[f32]; 3],
     to: &mut [f32],
 ) {
-    let (chunks, row, plane) = (shape.width() / L, shape.row(), shape.plane());
+    let (chunks, step, plane) = (shape.width() / L, shape.row(), shape.plane());
     let (to_c, to) = to.split_at_mut(plane);
     let (to_x, to) = to.split_at_mut(plane);
     let (to_y, to_z) = to.split_at_mut(plane);
     for y in lit {
         let (start, s) = (shape.start(y), parity(h, y, z));
-        let near = Near { other, start, s, row, chunks };
+        let near = Near { other, start, s, step, chunks };
         let (c, vx, vy, vz) =
             (near.beside::<L>(0), near.beside::<L>(plane), near.beside::<L>(2 * plane), near.beside::<L>(3 * plane));
-        mean(share, c, [vx[0], vy[1], vz[2]], chunked_mut(&mut to_c[start..], chunks));
-        direction(share, c[0], vx[0], [vx[1], vx[2]], chunked_mut(&mut to_x[start..], chunks));
-        direction(share, c[1], vy[1], [vy[0], vy[2]], chunked_mut(&mut to_y[start..], chunks));
-        direction(share, c[2], vz[2], [vz[0], vz[1]], chunked_mut(&mut to_z[start..], chunks));
+        let (to_c, to_x) = (chunked_mut(&mut to_c[start..], chunks), chunked_mut(&mut to_x[start..], chunks));
+        let (to_y, to_z) = (chunked_mut(&mut to_y[start..], chunks), chunked_mut(&mut to_z[start..], chunks));
+        // A plane at a time: few neighbours at once, as in the kernel's own loops.
+        for (k, to) in to_c.iter_mut().enumerate() {
+            *to = row::mean::<f32, L>(share, c, [vx[0], vy[1], vz[2]], k);
+        }
+        for (k, to) in to_x.iter_mut().enumerate() {
+            *to = row::direction::<f32, L>(share, c[0], vx[0], [vx[1], vx[2]], k);
+        }
+        for (k, to) in to_y.iter_mut().enumerate() {
+            *to = row::direction::<f32, L>(share, c[1], vy[1], [vy[0], vy[2]], k);
+        }
+        for (k, to) in to_z.iter_mut().enumerate() {
+            *to = row::direction::<f32, L>(share, c[2], vz[2], [vz[0], vz[1]], k);
+        }
     }
 }
 
@@ -117,62 +129,22 @@ struct Near<'a> {
     other: [&'a [f32]; 3],
     start: usize,
     s: usize,
-    row: usize,
+    /// From a row to the next.
+    step: usize,
     chunks: usize,
 }
 
 impl<'a> Near<'a> {
     /// The neighbours before and behind along x, y and z, in the plane that begins at `plane`.
     #[inline(always)]
-    fn beside<const L: usize>(self, plane: usize) -> [Pair<'a, L>; 3] {
-        let Near { other: [below, here, above], start, s, row, chunks } = self;
+    fn beside<const L: usize>(self, plane: usize) -> [Beside<'a, f32, L>; 3] {
+        let Near { other: [below, here, above], start, s, step, chunks } = self;
         let at = plane + start;
         [
             [chunked(&here[at + s - 1..], chunks), chunked(&here[at + s..], chunks)],
-            [chunked(&here[at - row..], chunks), chunked(&here[at + row..], chunks)],
+            [chunked(&here[at - step..], chunks), chunked(&here[at + step..], chunks)],
             [chunked(&below[at..], chunks), chunked(&above[at..], chunks)],
         ]
-    }
-}
-
-/// The neighbours before and behind along an axis, in one plane.
-type Pair<'a, const L: usize> = [&'a [[f32; L]]; 2];
-
-#[inline(always)]
-fn mean<const L: usize>(
-    share: &Share<f32>,
-    [cx, cy, cz]: [Pair<'_, L>; 3],
-    [x, y, z]: [Pair<'_, L>; 3],
-    to: &mut [[f32; L]],
-) {
-    for k in 0..to.len() {
-        let mut value = [0.0; L];
-        for j in 0..L {
-            let mean = (cx[0][k][j] + cx[1][k][j]) + (cy[0][k][j] + cy[1][k][j]) + (cz[0][k][j] + cz[1][k][j]);
-            let inward = (x[0][k][j] - x[1][k][j]) + (y[0][k][j] - y[1][k][j]) + (z[0][k][j] - z[1][k][j]);
-            value[j] = share.alpha * mean + share.beta * inward;
-        }
-        to[k] = value;
-    }
-}
-
-#[inline(always)]
-fn direction<const L: usize>(
-    share: &Share<f32>,
-    c: Pair<'_, L>,
-    along: Pair<'_, L>,
-    [p, q]: [Pair<'_, L>; 2],
-    to: &mut [[f32; L]],
-) {
-    for k in 0..to.len() {
-        let mut value = [0.0; L];
-        for j in 0..L {
-            let fall = c[0][k][j] - c[1][k][j];
-            let along = along[0][k][j] + along[1][k][j];
-            let across = (p[0][k][j] + p[1][k][j]) + (q[0][k][j] + q[1][k][j]);
-            value[j] = share.gamma * fall + share.delta * along + share.epsilon * across;
-        }
-        to[k] = value;
     }
 }
 
@@ -204,16 +176,4 @@ fn finish(shape: Shape, length: f32, lit: Range<usize>, [b, x]: [&[f32]; 2], nex
         }
     }
     squares
-}
-
-/// The first `chunks` · L numbers, by the chunk.
-#[inline(always)]
-fn chunked<const L: usize>(numbers: &[f32], chunks: usize) -> &[[f32; L]] {
-    &numbers[..chunks * L].as_chunks().0[..chunks]
-}
-
-/// [`chunked`], to write in.
-#[inline(always)]
-fn chunked_mut<const L: usize>(numbers: &mut [f32], chunks: usize) -> &mut [[f32; L]] {
-    &mut numbers[..chunks * L].as_chunks_mut().0[..chunks]
 }

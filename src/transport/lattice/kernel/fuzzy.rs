@@ -49,6 +49,7 @@ pub(super) struct Around<T> {
 
 impl<T: Real> Around<T> {
     /// What a card keeps of it: the near blocker, the far one, and (how much that faces the light, its albedos).
+    #[cfg(feature = "gpu")]
     pub(super) fn table(&self) -> [[T; 4]; 3] {
         let [red, green, blue] = self.albedo;
         [self.near.0, self.far.0, [self.facing, red, green, blue]]

@@ -3,7 +3,9 @@
 //! Like [`super::plain`] this is a definition: it gathers, cell by cell, what the six neighbours send.
 
 use super::fuzzy::Around;
-pub use super::fuzzy::{Fuzzy, REFLECTION};
+pub use super::fuzzy::Fuzzy;
+#[cfg(feature = "gpu")]
+pub use super::fuzzy::REFLECTION;
 pub use super::gather::Which;
 use super::gather::sender;
 use super::settle;
@@ -93,6 +95,7 @@ impl<T: Real> OcclusionLaw<T> {
 
     /// For each of the `touched` cells of an n³ level what a card keeps of its surroundings, as
     /// `kernels/solids.wgsl` takes it.
+    #[cfg(feature = "gpu")]
     pub fn tables(&self, level: usize, n: usize, touched: &Touched<T>) -> Vec<(Cell, Vec<[T; 4]>)> {
         let table = |(i, &cell): (usize, &Cell)| {
             let table = match self {
@@ -149,6 +152,7 @@ pub struct Touched<T> {
 
 impl<T: Real> Mirrored<T> {
     /// The share of light along `axis` that passes a cell, and what it mirrors of red, green and blue.
+    #[cfg(feature = "gpu")]
     fn table(&self, level: usize, cell: Cell, axis: usize) -> [T; 4] {
         let occupied = self.geometry.opacity(level, cell, axis);
         let [red, green, blue] = [0, 1, 2].map(|colour| occupied * self.geometry.albedo(level, cell, colour));
@@ -167,6 +171,7 @@ impl<T: Real> Mirrored<T> {
 impl<T: Real> Hard<T> {
     /// The share of light along `direction` that passes a cell, and what the next cell sends back of red, green and
     /// blue.
+    #[cfg(feature = "gpu")]
     fn table(&self, level: usize, cell: Cell, direction: Direction, n: usize) -> [T; 4] {
         let passes = |cell| self.hard_solids.passes(level, cell, direction.axis());
         let reflected = |colour| {

@@ -86,7 +86,7 @@ struct Light<'a, T> {
 }
 
 /// A stretch of a plane, by the chunk, one step back and one step on along an axis.
-type Beside<'a, T, const L: usize> = [&'a [[T; L]]; 2];
+pub(in crate::transport::lattice) type Beside<'a, T, const L: usize> = [&'a [[T; L]]; 2];
 
 /// The stretches beside the one at `at` in `plane`, `step` away.
 #[inline(always)]
@@ -103,8 +103,14 @@ fn all_beside<T, const L: usize>(planes: [&[T]; 4], at: usize, step: usize, chun
 
 /// The first `chunks` · L numbers, by the chunk.
 #[inline(always)]
-pub(super) fn chunked<T, const L: usize>(numbers: &[T], chunks: usize) -> &[[T; L]] {
+pub(in crate::transport::lattice) fn chunked<T, const L: usize>(numbers: &[T], chunks: usize) -> &[[T; L]] {
     &numbers[..chunks * L].as_chunks().0[..chunks]
+}
+
+/// [`chunked`], to write in.
+#[inline(always)]
+pub(in crate::transport::lattice) fn chunked_mut<T, const L: usize>(numbers: &mut [T], chunks: usize) -> &mut [[T; L]] {
+    &mut numbers[..chunks * L].as_chunks_mut().0[..chunks]
 }
 
 /// Where a stretch goes in one plane: into the target, and onto the sum if `SUM`; otherwise that is empty.
@@ -116,8 +122,7 @@ struct Out<'a, T, const L: usize, const SUM: bool> {
 impl<'a, T: Real, const L: usize, const SUM: bool> Out<'a, T, L, SUM> {
     #[inline(always)]
     fn new(target: &'a mut [T], sum: &'a mut [T], chunks: usize) -> Self {
-        let chunked = |numbers: &'a mut [T], chunks: usize| &mut numbers[..chunks * L].as_chunks_mut().0[..chunks];
-        Out { target: chunked(target, chunks), sum: chunked(sum, if SUM { chunks } else { 0 }) }
+        Out { target: chunked_mut(target, chunks), sum: chunked_mut(sum, if SUM { chunks } else { 0 }) }
     }
 
     #[inline(always)]
@@ -163,18 +168,12 @@ fn linear<T: Real, const L: usize, const SUM: bool>(
 fn linear_mean<T: Real, const L: usize, const SUM: bool>(
     share: &Share<T>,
     floor: T,
-    [cx, cy, cz]: [Beside<'_, T, L>; 3],
-    [x, y, z]: [Beside<'_, T, L>; 3],
+    c: [Beside<'_, T, L>; 3],
+    inward: [Beside<'_, T, L>; 3],
     mut out: Out<'_, T, L, SUM>,
 ) {
     for k in 0..out.target.len() {
-        let mut value = [T::ZERO; L];
-        for j in 0..L {
-            let mean = (cx[0][k][j] + cx[1][k][j]) + (cy[0][k][j] + cy[1][k][j]) + (cz[0][k][j] + cz[1][k][j]);
-            let inward = (x[0][k][j] - x[1][k][j]) + (y[0][k][j] - y[1][k][j]) + (z[0][k][j] - z[1][k][j]);
-            value[j] = share.alpha * mean + share.beta * inward;
-        }
-        out.put(k, floor, value);
+        out.put(k, floor, mean(share, c, inward, k));
     }
 }
 
@@ -184,19 +183,49 @@ fn linear_direction<T: Real, const L: usize, const SUM: bool>(
     floor: T,
     c: Beside<'_, T, L>,
     along: Beside<'_, T, L>,
-    [p, q]: [Beside<'_, T, L>; 2],
+    across: [Beside<'_, T, L>; 2],
     mut out: Out<'_, T, L, SUM>,
 ) {
     for k in 0..out.target.len() {
-        let mut value = [T::ZERO; L];
-        for j in 0..L {
-            let fall = c[0][k][j] - c[1][k][j];
-            let along = along[0][k][j] + along[1][k][j];
-            let across = (p[0][k][j] + p[1][k][j]) + (q[0][k][j] + q[1][k][j]);
-            value[j] = share.gamma * fall + share.delta * along + share.epsilon * across;
-        }
-        out.put(k, floor, value);
+        out.put(k, floor, direction(share, c, along, across, k));
     }
+}
+
+/// c00 of chunk `k` in the linear form: from the neighbours' c00 along x, y and z, and from what of each flows
+/// along its own axis.
+#[inline(always)]
+pub(in crate::transport::lattice) fn mean<T: Real, const L: usize>(
+    share: &Share<T>,
+    [cx, cy, cz]: [Beside<'_, T, L>; 3],
+    [x, y, z]: [Beside<'_, T, L>; 3],
+    k: usize,
+) -> [T; L] {
+    let mut value = [T::ZERO; L];
+    for j in 0..L {
+        let mean = (cx[0][k][j] + cx[1][k][j]) + (cy[0][k][j] + cy[1][k][j]) + (cz[0][k][j] + cz[1][k][j]);
+        let inward = (x[0][k][j] - x[1][k][j]) + (y[0][k][j] - y[1][k][j]) + (z[0][k][j] - z[1][k][j]);
+        value[j] = share.alpha * mean + share.beta * inward;
+    }
+    value
+}
+
+/// X, Y or Z of chunk `k` in the linear form: from c00 along its axis, and from its own plane along and across it.
+#[inline(always)]
+pub(in crate::transport::lattice) fn direction<T: Real, const L: usize>(
+    share: &Share<T>,
+    c: Beside<'_, T, L>,
+    along: Beside<'_, T, L>,
+    [p, q]: [Beside<'_, T, L>; 2],
+    k: usize,
+) -> [T; L] {
+    let mut value = [T::ZERO; L];
+    for j in 0..L {
+        let fall = c[0][k][j] - c[1][k][j];
+        let along = along[0][k][j] + along[1][k][j];
+        let across = (p[0][k][j] + p[1][k][j]) + (q[0][k][j] + q[1][k][j]);
+        value[j] = share.gamma * fall + share.delta * along + share.epsilon * across;
+    }
+    value
 }
 
 /// The clamped form, face by face. `SIDES`: whether there are side faces.
