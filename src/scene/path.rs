@@ -60,7 +60,7 @@ pub(super) fn check(path: &[Keyframe]) -> Result<(), Fault> {
 }
 
 impl Preset {
-    /// The first and the last time [s] of all the paths in it; `None` where nothing moves.
+    /// The first and the last time, in seconds, of all the paths in it; `None` where nothing moves.
     pub fn times(&self) -> Option<[f64; 2]> {
         let times = || self.injectors.iter().flat_map(|injector| &injector.path).map(|key| key.time);
         times().next()?;
@@ -75,7 +75,7 @@ impl Preset {
 }
 
 impl Problem {
-    /// The problem at a time [s]: its first sources have each followed a path, as [`Preset::paths`] has them.
+    /// The problem at a time, in seconds: its first sources have each followed a path, as [`Preset::paths`] has them.
     pub fn at_time(&self, paths: &[&[Keyframe]], time: f64, placing: Placing) -> Problem {
         let paths = paths.iter().copied().chain(std::iter::repeat(&[][..]));
         let source = |(source, path): (&Source, &[Keyframe])| match path {

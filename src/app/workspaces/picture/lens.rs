@@ -74,7 +74,7 @@ pub fn tiles(room: Rect, count: usize, title: f32, gap: f32) -> Vec<Rect> {
     };
     let largest = |columns: &mut dyn Iterator<Item = usize>| columns.max_by(|a, b| side(*a).total_cmp(&side(*b)));
     let best = largest(&mut (1..=count.max(1))).unwrap_or(1);
-    let full = largest(&mut (1..=count).filter(|columns| count % columns == 0));
+    let full = largest(&mut (1..=count).filter(|columns| count.is_multiple_of(*columns)));
     let best = full.filter(|full| side(*full) >= IN_LINE * side(best)).unwrap_or(best);
     let side = side(best).max(8.0);
     let tile = |i: usize| {
