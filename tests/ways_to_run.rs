@@ -33,7 +33,7 @@ fn preset(name: &str) -> Problem {
 
 /// Exact levels take no fuzzy occluders.
 fn takes(levels: Policy, problem: &Problem) -> bool {
-    levels != Policy::Exact || !problem.has_occluders() || problem.occlusion.mode == OcclusionMode::Hard
+    !levels.is_exact() || !problem.has_occluders() || problem.occlusion.mode == OcclusionMode::Hard
 }
 
 fn stepped(problem: &Problem, options: Options) -> Simulation<f32> {
