@@ -109,7 +109,12 @@ pub fn figure(title: &str, rows: &[&Row], theme: Theme, size: impl FnOnce(usize)
             log_x: true,
             log_y: true,
             curves,
-            keys: Treatment::ALL.map(key).to_vec(),
+            // A descent is there where a scene asks for one.
+            keys: Treatment::ALL
+                .into_iter()
+                .filter(|one| *one != Treatment::Descent || ours.iter().any(|row| row.treatment == *one))
+                .map(key)
+                .collect(),
             ..Plot::default()
         }
     };

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use egui_kittest::kittest::{NodeT, Queryable};
 use lpv_lab::scene::Problem;
+use lpv_lab::scene::propagation::Policy;
 use lpv_lab::simulation::Simulation;
 use lpv_lab::study::expectation::{Expectation, References};
 use lpv_lab::study::pareto::Treatment;
@@ -79,7 +80,12 @@ fn light_along_a_line_is_drawn_under_both_policies_beside_the_uniform_volume() {
     harness.get_by_label("Light along the line");
     let course = lab(&harness).course().unwrap();
     let names: Vec<&str> = course.curves.iter().map(|(name, _)| *name).collect();
-    let policies = ["merged, one factor for all levels", "merged, consistent levels", "merged, exact levels"];
+    let policies = [
+        "merged, one factor for all levels",
+        "merged, consistent levels",
+        "merged, exact levels",
+        "merged, exact levels ahead",
+    ];
     assert_eq!((names[0], &names[1..]), ("uniform volume", &policies[..]));
     // The line runs through the injector; the preset's own merged light is what the view shows.
     for [x, c00] in &course.curves[1].1 {
@@ -118,7 +124,8 @@ fn run_time_is_set_against_error_and_can_be_called_off() {
     harness.get_by_label("Run time against error");
     let rows = lab(&harness).pareto_rows().to_vec();
     for scheme in schemes::names() {
-        let treatments = Treatment::ALL.into_iter().filter(|one| *one != Treatment::Converged);
+        let treatments = [Policy::Same, Policy::Consistent].map(Treatment::Octree).into_iter();
+        let treatments = treatments.chain([Treatment::Uniform]);
         for (treatment, expectation) in
             treatments.flat_map(|one| [(one, Expectation::Merged), (one, Expectation::Ballistic)])
         {
@@ -129,6 +136,8 @@ fn run_time_is_set_against_error_and_can_be_called_off() {
             assert_eq!(iterations, [1, 2, 4, 8, 16, 32], "{scheme}, {treatment:?}, {expectation}");
         }
     }
+    // The preset asks for no descent.
+    assert!(rows.iter().all(|row| row.treatment != Treatment::Descent));
     // At p = 3 blog's light grows without bound (critical factor 2.99 at 8³): there is nothing to solve for.
     let solved = |scheme: &str| rows.iter().any(|row| row.scheme == scheme && row.treatment == Treatment::Converged);
     assert!(solved("cascaded") && !solved("blog"));

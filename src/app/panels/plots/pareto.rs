@@ -24,7 +24,7 @@ const TREATMENTS: [(Treatment, MarkerShape, &str); 5] = [
     (Treatment::Uniform, MarkerShape::Circle, "⏺ finest level alone"),
     (Treatment::Octree(Policy::Same), MarkerShape::Square, "⏹ one factor for all levels"),
     (Treatment::Octree(Policy::Consistent), MarkerShape::Up, "⏶ consistent levels"),
-    (Treatment::Descent, MarkerShape::Diamond, "⏹ a descent, coarse levels first"),
+    (Treatment::Descent, MarkerShape::Diamond, "◆ a descent, coarse levels first"),
     (Treatment::Converged, MarkerShape::Cross, "✖ fixed point, solved for"),
 ];
 
@@ -75,7 +75,11 @@ pub fn ui(ui: &mut Ui, session: &Session, theme: &Theme, asks: &mut Asks) {
     let named = schemes.iter().enumerate();
     legend_row(ui, named.map(|(i, scheme)| (color(theme.curve(i)), (*scheme).to_owned())));
     small_row(ui, |ui| {
-        for (_, _, text) in TREATMENTS {
+        for (treatment, _, text) in TREATMENTS {
+            // A descent is there where the scene asks for one.
+            if treatment == Treatment::Descent && rows.iter().all(|row| row.treatment != treatment) {
+                continue;
+            }
             ui.small(text);
             ui.add_space(8.0);
         }
