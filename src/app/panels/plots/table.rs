@@ -45,19 +45,22 @@ pub fn ui(ui: &mut Ui, session: &Session, theme: &Theme) {
     let lines = ranked(lines(session));
     let summary = session.metric().summary();
     ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
-        Grid::new("ranked runs").num_columns(COLUMNS.len()).spacing([7.0, 2.0]).striped(true).show(ui, |ui| {
-            for (name, about) in COLUMNS {
-                let about = if name == "L1" { format!("{about}. {summary}") } else { about.to_owned() };
-                ui.small(name).on_hover_text(about);
-            }
-            ui.end_row();
-            let mut place = 0;
-            for line in &lines {
-                place += usize::from(!line.star);
-                told(ui, line, place, theme);
+        Grid::new("ranked runs").num_columns(COLUMNS.len()).min_col_width(8.0).spacing([7.0, 2.0]).striped(true).show(
+            ui,
+            |ui| {
+                for (name, about) in COLUMNS {
+                    let about = if name == "L1" { format!("{about}. {summary}") } else { about.to_owned() };
+                    ui.small(name).on_hover_text(about);
+                }
                 ui.end_row();
-            }
-        });
+                let mut place = 0;
+                for line in &lines {
+                    place += usize::from(!line.star);
+                    told(ui, line, place, theme);
+                    ui.end_row();
+                }
+            },
+        );
         if session.run.progress.side > flaws::UP_TO {
             ui.weak(RichText::new(format!("Leaks and jumps are found out up to {}³.", flaws::UP_TO)).small());
         }
