@@ -68,7 +68,7 @@ fn plot(ui: &mut Ui, plots: &Plots, size: Vec2, measure: Measure, drawing: &Draw
         .height(size.y)
         .x_axis_label("Iteration k")
         .y_axis_label(measure.label())
-        .legend(Legend::default().position(Corner::RightBottom).background_alpha(0.6).follow_insertion_order(true))
+        .legend(Legend::default().position(Corner::LeftBottom).background_alpha(0.6).follow_insertion_order(true))
         .include_x(0.0)
         .include_x(iterations.max(4) as f64)
         .allow_scroll(false)
