@@ -189,14 +189,22 @@ fn flicker([s, u]: &[Vec<f64>; 2], [s_now, u_now]: &[Vec<f64>; 2], faint: f64) -
 struct Warm {
     iterations: usize,
     scales: Vec<f64>,
+    descent: Descent<f32>,
     channels: Vec<Channel>,
 }
 
 struct Channel {
-    descent: Descent<f32>,
+    /// Source, target and accumulated light.
     grids: [Octree<f32>; 3],
     /// B in every finest cell, once there was a frame.
     moved: Option<Grid<f32>>,
+}
+
+impl Channel {
+    fn grids(&mut self) -> Grids<'_, f32> {
+        let [source, target, accumulated] = &mut self.grids;
+        Grids { source, target, accumulated }
+    }
 }
 
 impl Warm {
@@ -215,37 +223,38 @@ impl Warm {
         let sizes = Levels::new(problem.size, problem.coarsest)
             .ok_or(Refusal::Sizes { size: problem.size, coarsest: problem.coarsest })?;
         let channels = problem.channels();
-        let channel = || -> Result<Channel, Refusal> {
-            let dark = || Octree::new(sizes);
-            Ok(Channel { descent: of_problem(&problem, sizes)?, grids: [dark(), dark(), dark()], moved: None })
-        };
+        let channel = || Channel { grids: [(); 3].map(|()| Octree::new(sizes)), moved: None };
         Ok(Warm {
             iterations: problem.propagation.iterations.max(1),
             scales: channel_scales(&channels),
-            channels: (0..channels.count()).map(|_| channel()).collect::<Result<_, _>>()?,
+            descent: of_problem(&problem, sizes, channels.count())?,
+            channels: (0..channels.count()).map(|_| channel()).collect(),
         })
     }
 
     fn frame(&mut self, problem: &Problem) -> (Vec<Grid<f32>>, Vec<f64>) {
+        let Warm { iterations, descent, channels, .. } = self;
         let mut injected = problem.injected::<f32>(&problem.channels());
-        let light = self.channels.iter_mut().zip(&mut injected).map(|(channel, injected)| {
-            let Channel { descent, grids: [source, target, accumulated], moved } = channel;
-            let mut grids = Grids { source, target, accumulated };
-            let room = &mut Grid::new(injected.side());
-            descent.take_up(&mut [Injected { light: injected, room }]);
-            match moved {
-                Some(moved) => {
-                    descent.skip_to_finest();
-                    descent.resume(0, moved, &mut grids);
-                    (1..self.iterations).for_each(|_| descent.iterate(0, &mut grids));
+        let mut rooms: Vec<Grid<f32>> = injected.iter().map(|light| Grid::new(light.side())).collect();
+        let both = injected.iter_mut().zip(&mut rooms);
+        descent.take_up(&mut both.map(|(light, room)| Injected { light, room }).collect::<Vec<_>>());
+        if channels.iter().all(|channel| channel.moved.is_some()) {
+            descent.skip_to_finest();
+            for (c, channel) in channels.iter_mut().enumerate() {
+                if let Some(moved) = channel.moved.take() {
+                    descent.resume(c, &moved, &mut channel.grids());
                 }
-                None => descent.run(self.iterations, &mut grids),
+                (1..*iterations).for_each(|_| descent.iterate(c, &mut channel.grids()));
             }
-            let mut merged = Grid::new(injected.side());
-            descent.sample(0, problem.propagation.inside, grids.accumulated, &mut merged);
+        } else {
+            descent.run(*iterations, &mut channels.iter_mut().map(Channel::grids).collect::<Vec<_>>());
+        }
+        let light = channels.iter_mut().enumerate().map(|(c, channel)| {
+            let mut merged = Grid::new(problem.size);
+            descent.sample(c, problem.propagation.inside, channel.grids().accumulated, &mut merged);
             let mut rest = merged.clone();
-            descent.leave_moved(0, &mut rest);
-            *moved = Some(rest);
+            descent.leave_moved(c, &mut rest);
+            channel.moved = Some(rest);
             merged
         });
         (light.collect(), self.scales.clone())

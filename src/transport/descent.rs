@@ -33,23 +33,20 @@ mod first_steps;
 pub mod nest;
 pub(crate) mod partition;
 mod sample;
-mod solids;
 mod staged;
 
 pub use course::{Descent, Grids};
 pub use first_steps::Injected;
 pub use partition::Tiling;
-pub use solids::Solids;
 
 use std::sync::Arc;
 
 use super::kind::{Kind, Law, Setup, Transport};
 use super::lattice::linear::linear_form;
-use super::lattice::schemes;
-use super::lattice::stencil::Stencil;
+use super::lattice::obstacles::Obstacles;
 use super::lattice::{self, exact};
 use super::refusal::Refusal;
-use crate::field::{Levels, Marks};
+use crate::field::Levels;
 use crate::scene::propagation::descent::Descent as Asked;
 use crate::scene::{Problem, Propagation};
 use crate::sh::Real;
@@ -93,8 +90,11 @@ fn bytes(problem: &Problem, sizes: Levels, channels: usize, number: usize) -> u6
     light * channels as u64 + light / 4
 }
 
-/// The descent that a problem asks for, over levels of these sizes.
-pub fn of_problem<T: Real>(problem: &Problem, sizes: Levels) -> Result<Descent<T>, Refusal> {
+/// Steps that light may take cell by cell before occluders stop it.
+const LATEST: usize = 15;
+
+/// The descent that a problem asks for, over levels of these sizes, for so many channels of light.
+pub fn of_problem<T: Real>(problem: &Problem, sizes: Levels, channels: usize) -> Result<Descent<T>, Refusal> {
     let propagation = &problem.propagation;
     let (form, share) = linear_form::<T>(problem, "a descent")?;
     exact::residence(&share, propagation.factor, sizes.count())?;
@@ -103,14 +103,15 @@ pub fn of_problem<T: Real>(problem: &Problem, sizes: Levels) -> Result<Descent<T
         Asked::Leaves { distance } => Tiling::Leaves { distance },
         Asked::Cascades { .. } => Tiling::Cascades(nest_of(problem, sizes)?),
     };
-    let solids = lattice::occlusion::hard(problem, sizes).zip(schemes::find(&propagation.scheme));
-    let solids = solids.map(|(hard, scheme)| {
-        let mut occupied = Marks::new(sizes.finest());
-        problem.solids.iter().for_each(|solid| occupied.set(solid.cell));
-        let stencil = Stencil::new(&scheme, propagation.factor, propagation.clamp);
-        Arc::new(Solids { hard, occupied, stencil })
-    });
-    Ok(Descent::among(sizes, tiling, (form, share), propagation.snapshots, solids))
+    let obstacles = Obstacles::new(problem, sizes, channels);
+    if obstacles.as_ref().is_some_and(|obstacles| obstacles.passing() > LATEST) {
+        return Err(Refusal::Underived {
+            what: "a descent",
+            setting: format!("fuzzy occluders that stop light from iteration {} on", problem.occlusion.from_iteration),
+            remedy: "let them from iteration 16 at the latest",
+        });
+    }
+    Ok(Descent::among(sizes, tiling, (form, share), propagation.snapshots, obstacles.map(Arc::new)))
 }
 
 /// The nested cascades that a problem asks for.

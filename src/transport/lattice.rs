@@ -25,7 +25,8 @@ pub mod kernel;
 mod known;
 pub(crate) mod levels;
 pub(crate) mod linear;
-pub(in crate::transport) mod occlusion;
+pub(crate) mod obstacles;
+mod occlusion;
 #[cfg(feature = "gpu")]
 mod parts;
 mod radial;
@@ -57,6 +58,7 @@ use kernel::plain;
 use known::Known;
 pub use levels::TooLarge;
 use linear::linear_form;
+use obstacles::Obstacles;
 use occlusion::LatticeSolids;
 use radial::Radial;
 use scheme::Scheme;
@@ -160,8 +162,14 @@ impl<T: Real> Lattice<T> {
                 // Of a leaf at a border less stays, and more of it is turned; four times as much is more than enough.
                 ceiling.amplify(1, 4.0 * exact::residence(&share, factor, sizes.count())?);
             }
+            let colours = setup.channels.count();
+            let obstacles = Obstacles::new(problem, *sizes, colours);
+            if obstacles.is_some() {
+                // Of a leaf that occluders touch what stays, what leaves and what enters are not of one share.
+                ceiling.amplify(1, 4.0);
+            }
             stencils.truncate(1);
-            Some(Coarse::new(&share, way, *sizes, setup.channels.count(), occlusion::hard(problem, *sizes)))
+            Some(Coarse::new(&share, way, *sizes, colours, obstacles))
         } else {
             None
         };

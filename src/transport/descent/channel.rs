@@ -8,13 +8,12 @@
 
 use super::first_steps::FirstSteps;
 use super::partition::without;
-use super::solids::Solids;
 use crate::field::{Cell, CellList, Grid, Levels, Marks};
 use crate::sh::{Real, Sh};
 use crate::transport::lattice::exact::decay::Decay;
 use crate::transport::lattice::exact::filter::{hand_over, hand_over_among};
 use crate::transport::lattice::exact::leaves::Leaves;
-use crate::transport::lattice::exact::walls::Solid;
+use crate::transport::lattice::obstacles::Obstacles;
 
 /// Light in a leaf: the level, the cell there, the light.
 pub(super) type InLeaf<T> = (usize, Cell, Sh<T>);
@@ -70,9 +69,7 @@ impl<T: Real> Channel<T> {
 pub(super) struct Sorter<'a, T> {
     pub(super) sizes: Levels,
     pub(super) decay: &'a Decay,
-    pub(super) solids: Option<&'a Solids<T>>,
-    /// The channel's colour, 0 red, 1 green, 2 blue.
-    pub(super) colour: usize,
+    pub(super) obstacles: Option<&'a Obstacles<T>>,
     /// The leaves of every stage, the coarsest first.
     pub(super) stages: &'a [Leaves<T>],
 }
@@ -143,8 +140,8 @@ impl<T: Real> Sorter<'_, T> {
     }
 
     fn darken(&self, i: usize, light: &mut Grid<T>) {
-        if let Some(Solids { hard, .. }) = self.solids {
-            Solid { hard, colour: self.colour }.darken(i, light);
+        if let Some(obstacles) = self.obstacles {
+            obstacles.darken(i, light);
         }
     }
 }

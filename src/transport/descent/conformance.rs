@@ -25,7 +25,7 @@ fn descend<T: Real>(source: &Grid<T>, factor: f64, tiling: Tiling, k: usize, ins
     let (mut a, mut b, mut c) = (Octree::new(sizes), Octree::new(sizes), Octree::new(sizes));
     let mut grids = Grids { source: &mut a, target: &mut b, accumulated: &mut c };
     take_up(&mut descent, source);
-    descent.run(k, &mut grids);
+    descent.run(k, std::slice::from_mut(&mut grids));
     let mut merged = Grid::new(source.side());
     descent.sample(0, inside, &c, &mut merged);
     merged
@@ -148,7 +148,7 @@ fn light_taken_up_anew_starts_from_the_dark() {
     let mut grids = Grids { source: &mut a, target: &mut b, accumulated: &mut c };
     for light in [&mixed(), &source] {
         take_up(&mut descent, light);
-        descent.run(3, &mut grids);
+        descent.run(3, std::slice::from_mut(&mut grids));
     }
     let mut merged = Grid::new(16);
     descent.sample(0, Inside::Exponential, &c, &mut merged);
@@ -218,7 +218,7 @@ fn light_beyond_the_finest_leaves_is_handed_to_its_own_whole() {
     let stages = partition::stages(sizes, Tiling::Cascades(Nest::new(sizes, 8, None)), &Marks::new(32));
     let stages: Vec<Leaves<f64>> = stages.into_iter().map(|marks| Leaves::new(&share, Way::Ahead, marks)).collect();
     let leaves = &stages[5];
-    let sorter = Sorter { sizes, decay: &decay, solids: None, colour: 0, stages: &stages };
+    let sorter = Sorter { sizes, decay: &decay, obstacles: None, stages: &stages };
     // In the finest grid, beside it on either side of a coarse cell, and in the last grid beside the second.
     for (cell, is_finest) in [([12, 16, 16], true), ([11, 16, 16], false), ([10, 16, 16], false), ([7, 12, 20], false)]
     {

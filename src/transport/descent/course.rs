@@ -6,15 +6,14 @@ use super::channel::{Channel, Sorter};
 use super::first_steps::{FirstSteps, Injected, Launch};
 use super::partition::{self, Tiling};
 use super::sample;
-use super::solids::Solids;
 use crate::field::{Cell, Grid, Levels, Marks, Octree};
 use crate::scene::propagation::Snapshots;
 use crate::scene::propagation::descent::Inside;
 use crate::sh::{Real, Sh};
 use crate::transport::lattice::exact::decay::Decay;
 use crate::transport::lattice::exact::leaves::{Leaves, Way};
-use crate::transport::lattice::exact::walls::Solid;
 use crate::transport::lattice::kernel::form::{Form, Share};
+use crate::transport::lattice::obstacles::Obstacles;
 use crate::transport::team;
 
 /// A descent under way.
@@ -29,7 +28,7 @@ pub struct Descent<T> {
     /// The longest that light resides in a leaf.
     residence: f64,
     /// What stands in light's way.
-    solids: Option<Arc<Solids<T>>>,
+    obstacles: Option<Arc<Obstacles<T>>>,
     /// The leaves of every stage, the coarsest first; none before light was taken up. By colour, if walls mirror them
     /// differently.
     stages: Vec<Vec<Leaves<T>>>,
@@ -58,13 +57,13 @@ impl<T: Real> Descent<T> {
         Self::among(sizes, tiling, (form, share), snapshots, None)
     }
 
-    /// As [`Self::new`], with hard occluders.
+    /// As [`Self::new`], with occluders.
     pub fn among(
         sizes: Levels,
         tiling: Tiling,
         (form, share): (Form<T>, Share<f64>),
         snapshots: Snapshots,
-        solids: Option<Arc<Solids<T>>>,
+        obstacles: Option<Arc<Obstacles<T>>>,
     ) -> Self {
         let decay = Decay::of(&share);
         let stay = |i: usize| 6.0 * share.alpha * (1.0 - decay.even(f64::from(1u32 << i)));
@@ -77,7 +76,7 @@ impl<T: Real> Descent<T> {
             decay,
             snapshots,
             residence,
-            solids,
+            obstacles,
             stages: Vec::new(),
             stage: 0,
             channels: Vec::new(),
@@ -89,35 +88,39 @@ impl<T: Real> Descent<T> {
     pub fn norm(&self) -> f64 {
         let Share { alpha, beta, gamma, delta, epsilon } = self.share;
         let sent = 6.0 * [alpha, beta, gamma, delta, 2.0 * epsilon].iter().map(|c| c.abs()).sum::<f64>();
-        1.0 + 4.0 * self.residence * sent
+        // Of a leaf that occluders touch what stays, what leaves and what enters are not of one share.
+        let among = self.obstacles.as_ref().map_or(0.0, |obstacles| 4.0 * obstacles.norm());
+        1.0 + 4.0 * self.residence * sent.max(among)
     }
 
     /// Takes up each channel's injected light.
     pub fn take_up(&mut self, injected: &mut [Injected<'_, T>]) {
-        let launch =
-            Launch { form: &self.form, solids: self.solids.as_deref(), snapshots: self.snapshots, tiling: self.tiling };
+        let obstacles = self.obstacles.as_deref();
+        let launch = Launch { form: &self.form, obstacles, snapshots: self.snapshots, tiling: self.tiling };
         let heads: Vec<FirstSteps<T>> =
             injected.iter_mut().enumerate().map(|(colour, light)| launch.run(colour, light)).collect();
         let mut near = Marks::new(self.sizes.finest());
         for head in &heads {
             near.words_mut().iter_mut().zip(head.lit.words()).for_each(|(near, lit)| *near |= lit);
         }
-        if let Some(solids) = &self.solids {
-            near.words_mut().iter_mut().zip(solids.occupied.words()).for_each(|(near, solid)| *near |= solid);
+        if let Some(obstacles) = obstacles {
+            near.words_mut().iter_mut().zip(obstacles.near().words()).for_each(|(near, there)| *near |= there);
         }
         let stages = partition::stages(self.sizes, self.tiling, &near);
-        let leaves = |marks: &Vec<Marks>, colour: usize| match self.solids.as_deref() {
+        let leaves = |marks: &Vec<Marks>, colour: usize| match obstacles {
             None => Leaves::new(&self.share, Way::Ahead, marks.clone()),
-            Some(Solids { hard, .. }) => Leaves::among(&self.share, Way::Ahead, marks.clone(), &Solid { hard, colour }),
+            Some(obstacles) => {
+                Leaves::among(&self.share, Way::Ahead, marks.clone(), &*obstacles.walls(colour, true))
+            }
         };
-        let colours = if self.solids.is_some() { injected.len() } else { 1 };
-        self.stages = (0..colours)
+        let sorts = obstacles.map_or(1, |obstacles| obstacles.sorts(injected.len()));
+        self.stages = (0..sorts)
             .map(|colour| team::share(stages.iter().collect(), |marks: &Vec<Marks>| leaves(marks, colour)))
             .collect();
         let sorted = |(colour, head): (usize, FirstSteps<T>)| {
             let Descent { sizes, decay, .. } = self;
             let stages = self.stages.get(colour).unwrap_or(&self.stages[0]);
-            Sorter { sizes: *sizes, decay, solids: self.solids.as_deref(), colour, stages }.sort(head)
+            Sorter { sizes: *sizes, decay, obstacles, stages }.sort(head)
         };
         self.channels = heads.into_iter().enumerate().map(sorted).collect();
         (self.stage, self.clean) = (0, false);
@@ -175,14 +178,16 @@ impl<T: Real> Descent<T> {
         self.stages.get(channel).or(self.stages.first())?.get(stage)
     }
 
-    /// Goes through all stages with `k` iterations each, for a descent of one channel.
-    pub fn run(&mut self, k: usize, grids: &mut Grids<'_, T>) {
+    /// Goes through all stages with `k` iterations each, every channel in its grids.
+    pub fn run(&mut self, k: usize, channels: &mut [Grids<'_, T>]) {
         for stage in 0..self.sizes.count() {
             if stage > 0 {
                 self.descend();
             }
-            self.enter(0, grids);
-            (1..k).for_each(|_| self.iterate(0, grids));
+            for (channel, grids) in channels.iter_mut().enumerate() {
+                self.enter(channel, grids);
+                (1..k).for_each(|_| self.iterate(channel, grids));
+            }
         }
     }
 

@@ -14,14 +14,13 @@
 use std::cmp::Ordering;
 
 use super::partition::Tiling;
-use super::solids::Solids;
 use crate::field::{Cell, CellList, Grid, Marks};
 use crate::scene::propagation::Snapshots;
 use crate::sh::{Real, Sh};
 use crate::transport::lattice::kernel::form::Form;
-use crate::transport::lattice::kernel::occluded::{OcclusionLaw, Which};
 use crate::transport::lattice::kernel::step::{self, pieces};
-use crate::transport::lattice::kernel::{Instructions, Level, Order, lies_in_cone};
+use crate::transport::lattice::kernel::{Instructions, Level, Order, lies_in_cone, with_solids};
+use crate::transport::lattice::obstacles::Obstacles;
 
 /// Steps after which what is left of clamps is left alone.
 const MOST_STEPS: usize = 4;
@@ -33,7 +32,7 @@ const FEW: usize = 128;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Launch<'a, T> {
     pub(super) form: &'a Form<T>,
-    pub(super) solids: Option<&'a Solids<T>>,
+    pub(super) obstacles: Option<&'a Obstacles<T>>,
     pub(super) snapshots: Snapshots,
     /// What the volume is cut into.
     pub(super) tiling: Tiling,
@@ -73,11 +72,13 @@ impl<T: Real> Launch<'_, T> {
         let mut stays = if self.snapshots == Snapshots::WithoutInjected { Vec::new() } else { taken.clone() };
         // Where the first iteration sends the light twice, all that has moved counts twice.
         let times = T::of(if self.snapshots == Snapshots::CopyFirst { 2.0 } else { 1.0 });
-        let mut reached = self.step(colour, light, &lit, room);
+        let mut reached = self.step((colour, 1), light, &lit, room);
         let mut next: Option<Grid<T>> = None;
-        let few = matches!(self.tiling, Tiling::Leaves { .. }) && taken.len() * FEW <= n.pow(3);
+        let few = matches!(self.tiling, Tiling::Leaves { .. } | Tiling::Cells) && taken.len() * FEW <= n.pow(3);
         let least = if few { 2 } else { 1 };
-        for steps in 1..MOST_STEPS {
+        // Steps are linear from where occluders stop light on.
+        let least = self.obstacles.map_or(least, |obstacles| obstacles.passing().max(least));
+        for steps in 1..MOST_STEPS.max(least) {
             let moved = next.as_mut().unwrap_or(room);
             if steps >= least && self.is_linear(moved, &reached) {
                 break;
@@ -85,7 +86,7 @@ impl<T: Real> Launch<'_, T> {
             stays = sum(stays, reached.light_in(moved).map(|(cell, light)| (cell, light * times)));
             lit.words_mut().iter_mut().zip(reached.words()).for_each(|(lit, reached)| *lit |= reached);
             let mut further = Grid::new(n);
-            let got_to = self.step(colour, moved, &reached, &mut further);
+            let got_to = self.step((colour, steps + 1), moved, &reached, &mut further);
             if next.is_none() {
                 reached.cells().for_each(|cell| room.set(cell, Sh::ZERO));
             }
@@ -101,20 +102,15 @@ impl<T: Real> Launch<'_, T> {
 
     /// Whether no clamp acts on the light, now and in all steps to come, or clamps are left alone.
     fn is_linear(&self, light: &Grid<T>, lit: &Marks) -> bool {
-        self.solids.is_some() || self.form.cone.is_none_or(|cone| cone.is_infinite() || lies_in_cone(light, lit, cone))
+        self.obstacles.is_some() || self.form.cone.is_none_or(|cone| cone.is_infinite() || lies_in_cone(light, lit, cone))
     }
 
-    /// One step into a dark grid; returns where it has gone.
-    fn step(&self, colour: usize, source: &mut Grid<T>, lit: &Marks, moved: &mut Grid<T>) -> Marks {
+    /// Step number `step`, from 1, of light of a colour into a dark grid; returns where it has gone.
+    fn step(&self, (colour, step): (usize, usize), source: &mut Grid<T>, lit: &Marks, moved: &mut Grid<T>) -> Marks {
         let n = source.side();
-        let pieces = pieces(rayon::current_num_threads(), lit.cells_in_touched_words());
+        let threads = rayon::current_num_threads();
+        let pieces = pieces(threads, lit.cells_in_touched_words());
         let mut reached = Marks::new(n);
-        if let Some(Solids { hard, stencil, .. }) = self.solids {
-            let which = Which { level: 0, colour, blocks: true };
-            OcclusionLaw::Hard(hard.clone()).propagate(stencil, which, source, moved);
-            reached.mark_lit(moved);
-            return reached;
-        }
         let order = Order {
             form: *self.form,
             linear: false,
@@ -131,7 +127,16 @@ impl<T: Real> Launch<'_, T> {
             sum: None,
             marks: &mut reached,
         };
-        step::step(&order, &mut level, pieces, None);
+        match self.obstacles {
+            None => {
+                step::step(&order, &mut level, pieces, None);
+            }
+            Some(obstacles) => {
+                with_solids::advance(&order, &mut level, threads, None, obstacles.at_finest(colour, step));
+                // They were exchanged.
+                std::mem::swap(level.source, level.target);
+            }
+        }
         reached
     }
 }

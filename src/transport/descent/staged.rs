@@ -61,8 +61,8 @@ impl Ceiling {
 impl<T: Real> Staged<T> {
     /// For the descent of a problem.
     pub fn new(setup: &Setup) -> Result<Self, Refusal> {
-        let Setup { problem, sizes, .. } = setup;
-        let descent: Descent<T> = super::of_problem(problem, *sizes)?;
+        let Setup { problem, sizes, channels, .. } = setup;
+        let descent: Descent<T> = super::of_problem(problem, *sizes, channels.count())?;
         let ceiling = Ceiling { norm: descent.norm(), injected: 0.0, source: 0.0, accumulated: 0.0 };
         Ok(Staged {
             each: problem.propagation.iterations.max(1),

@@ -10,9 +10,9 @@
 use super::exact::decay::Decay;
 use super::exact::filter;
 use super::exact::leaves::{Leaves, Way};
-use super::exact::walls::{Open, Solid};
+use super::exact::walls::Open;
 use super::kernel::form::Share;
-use super::kernel::occluded::Hard;
+use super::obstacles::Obstacles;
 use crate::field::{Cell, Grid, Levels, Marks};
 use crate::sh::{Real, Sh};
 use crate::transport::options::Work;
@@ -24,22 +24,33 @@ pub(super) struct Coarse<T> {
     decay: Decay,
     /// By colour, if walls mirror them differently; each from level 1 on.
     colours: Vec<Vec<Leaves<T>>>,
-    hard: Option<Hard<T>>,
+    /// The same for iterations before occluders stop light, if there are such.
+    earlier: Vec<Vec<Leaves<T>>>,
+    obstacles: Option<Obstacles<T>>,
     /// Whether the coarser levels hold means of injected light, which has not moved yet.
     at_rest: bool,
 }
 
 impl<T: Real> Coarse<T> {
-    /// For levels of these sizes, and so many colours; `share` is what one finest step sends to a neighbour, `hard` what
-    /// stands in its way.
-    pub(super) fn new(share: &Share<f64>, way: Way, sizes: Levels, colours: usize, hard: Option<Hard<T>>) -> Self {
-        let level = |i: usize, colour: usize| match &hard {
-            None => Leaves::uniform(share, way, i, sizes.side(i), &Open),
-            Some(hard) => Leaves::uniform(share, way, i, sizes.side(i), &Solid { hard, colour }),
+    /// For levels of these sizes, and so many colours; `share` is what one finest step sends to a neighbour, `obstacles`
+    /// what stands in its way.
+    pub(super) fn new(
+        share: &Share<f64>,
+        way: Way,
+        sizes: Levels,
+        colours: usize,
+        obstacles: Option<Obstacles<T>>,
+    ) -> Self {
+        let level = |i: usize, colour: usize, block: bool| match &obstacles {
+            None => Leaves::uniform(share, way, i, sizes.side(i), &Open(None)),
+            Some(obstacles) => Leaves::uniform(share, way, i, sizes.side(i), &*obstacles.walls(colour, block)),
         };
-        let colours = if hard.is_some() { colours } else { 1 };
-        let colours = (0..colours).map(|colour| (1..sizes.count()).map(|i| level(i, colour)).collect()).collect();
-        Coarse { decay: Decay::of(share), colours, hard, at_rest: true }
+        let levels = |colour, block| (1..sizes.count()).map(|i| level(i, colour, block)).collect();
+        let sorts = obstacles.as_ref().map_or(1, |obstacles| obstacles.sorts(colours));
+        let all = |block| (0..sorts).map(|colour| levels(colour, block)).collect();
+        let come_late = obstacles.as_ref().is_some_and(Obstacles::come_late);
+        let earlier = if come_late { all(false) } else { Vec::new() };
+        Coarse { decay: Decay::of(share), colours: all(true), earlier, obstacles, at_rest: true }
     }
 
     /// Takes note that the coarser levels were filled with means of the finest.
@@ -51,9 +62,11 @@ impl<T: Real> Coarse<T> {
     pub(super) fn step(&mut self, state: &mut State<T>) -> Work {
         let volume = state.sizes().cells() * state.lights.len();
         let finest = state.sizes().finest().pow(3) * state.lights.len();
-        let State { lights, index, .. } = state;
+        let State { lights, index, iteration, .. } = state;
+        let block = self.obstacles.as_ref().is_none_or(|obstacles| *iteration > obstacles.passing());
+        let colours = if block || self.earlier.is_empty() { &self.colours } else { &self.earlier };
         for (colour, light) in lights.iter_mut().enumerate() {
-            let levels = self.colours.get(colour).or(self.colours.first());
+            let levels = colours.get(colour).or(colours.first());
             let mut handed = self.at_rest.then(|| light.source.level(0).clone());
             for (i, leaves) in (1..).zip(levels.into_iter().flatten()) {
                 if let Some(finer) = &mut handed {
@@ -82,14 +95,15 @@ impl<T: Real> Coarse<T> {
         lit.mark_lit(finer);
         let mut coarser = Grid::new(finer.side() / 2);
         filter::hand_over(&self.decay, 1 << i, lit.light_in(finer), &mut coarser);
-        if let Some(hard) = &self.hard {
-            Solid { hard, colour: 0 }.darken(i, &mut coarser);
+        if let Some(obstacles) = &self.obstacles {
+            obstacles.darken(i, &mut coarser);
         }
         coarser
     }
 
     /// Bytes of memory it holds.
     pub(super) fn bytes(&self) -> usize {
-        self.colours.iter().flatten().map(Leaves::bytes).sum()
+        let levels = self.colours.iter().chain(&self.earlier).flatten();
+        levels.map(Leaves::bytes).sum::<usize>() + self.obstacles.as_ref().map_or(0, Obstacles::bytes)
     }
 }

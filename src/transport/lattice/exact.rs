@@ -47,6 +47,7 @@
 //! a lone lobe at p = 3.8 .215 against 1.778 with axial, .200 against 1.689 with cone), and a descent of four iterations,
 //! over all cells or leaves r = 3, beats every octree whose levels go each by itself (`lpv-lab octree --scheme axial`).
 
+pub(crate) mod blockers;
 pub(crate) mod crossing;
 pub mod decay;
 pub(crate) mod filter;
@@ -54,6 +55,7 @@ pub(crate) mod leaves;
 mod meeting;
 pub(crate) mod sampling;
 mod step;
+mod touched;
 pub(crate) mod walls;
 mod within;
 

@@ -38,6 +38,11 @@ impl Direction {
         Direction { axis: 2, positive: false },
     ];
 
+    /// Its place in [`Self::ALL`].
+    pub fn index(self) -> usize {
+        2 * self.axis + usize::from(!self.positive)
+    }
+
     /// The axis it lies on: 0 for x, 1 for y, 2 for z.
     pub fn axis(self) -> usize {
         self.axis

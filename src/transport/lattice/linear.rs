@@ -5,7 +5,7 @@ use super::kernel::form::{Form, Share};
 use super::schemes;
 use super::stencil::Stencil;
 use crate::scene::Problem;
-use crate::scene::occluder::{Accumulate, OcclusionMode};
+use crate::scene::occluder::Accumulate;
 use crate::sh::Real;
 use crate::transport::refusal::Refusal;
 
@@ -15,9 +15,6 @@ pub fn linear_form<T: Real>(problem: &Problem, what: &'static str) -> Result<(Fo
     let scheme =
         schemes::find(&propagation.scheme).ok_or_else(|| Refusal::unknown(&propagation.scheme, &schemes::names()))?;
     let refused = |setting: &str, remedy| Err(Refusal::Underived { what, setting: setting.to_owned(), remedy });
-    if problem.has_occluders() && problem.occlusion.mode != OcclusionMode::Hard {
-        return refused("fuzzy occluders", "choose hard ones, or switch one of them off");
-    }
     if problem.has_occluders() && problem.occlusion.accumulate != Accumulate::Everywhere {
         return refused("light in occupied cells alone", "accumulate Everywhere");
     }

@@ -5,7 +5,6 @@ use super::hard_solids::HardSolids;
 use super::kernel::occluded::{Fuzzy, Hard, Mirrored, OcclusionLaw, Touched};
 use super::reach::grown;
 use super::scheme::{Scheme, Surface};
-use super::schemes;
 use crate::field::{IndexVolume, Layout, Levels, Marks, memory};
 use crate::scene::Problem;
 use crate::scene::occluder::{BlockingSign, OcclusionMode};
@@ -23,7 +22,13 @@ pub(super) struct LatticeSolids<T> {
     pub(super) touched: Vec<Touched<T>>,
 }
 
-impl<T: Real> LatticeSolids<T> {
+/// How occluders act under a scheme, and from which iteration on, counted from 1.
+pub(super) struct Acting<T> {
+    pub(super) law: OcclusionLaw<T>,
+    pub(super) from_iteration: usize,
+}
+
+impl<T: Real> Acting<T> {
     /// `None` where there are none.
     pub(super) fn new(problem: &Problem, sizes: Levels, scheme: &Scheme) -> Option<Self> {
         let occlusion = problem.occlusion;
@@ -34,7 +39,7 @@ impl<T: Real> LatticeSolids<T> {
         let mirrors = scheme.surface == Surface::Mirrored;
         let between = occlusion.mode == OcclusionMode::Fuzzy && !mirrors;
         let geometry = GeometryVolume::new(sizes, if between { problem.blockers() } else { &problem.solids });
-        let (occluders, from_iteration) = match occlusion.mode {
+        let (law, from_iteration) = match occlusion.mode {
             OcclusionMode::Hard => {
                 let injected = problem.sources.iter().flat_map(|source| &source.light);
                 let hard_solids = HardSolids::new(sizes, &problem.solids, injected.map(|(cell, _)| *cell));
@@ -52,6 +57,14 @@ impl<T: Real> LatticeSolids<T> {
                 (OcclusionLaw::Fuzzy(fuzzy), occlusion.from_iteration)
             }
         };
+        Some(Acting { law, from_iteration })
+    }
+}
+
+impl<T: Real> LatticeSolids<T> {
+    /// `None` where there are none.
+    pub(super) fn new(problem: &Problem, sizes: Levels, scheme: &Scheme) -> Option<Self> {
+        let Acting { law: occluders, from_iteration } = Acting::new(problem, sizes, scheme)?;
         let touched = (0..sizes.count()).map(|i| occluders.touched(i, sizes.side(i))).collect();
         let reflects = matches!(&occluders, OcclusionLaw::Fuzzy(fuzzy) if fuzzy.bounce != T::ZERO);
         Some(LatticeSolids { occluders, from_iteration, reflects, touched })
@@ -78,15 +91,6 @@ impl<T: Real> LatticeSolids<T> {
     /// Bytes that they take.
     pub(super) fn bytes(&self) -> usize {
         self.occluders.bytes() + self.touched.iter().map(Touched::bytes).sum::<usize>()
-    }
-}
-
-/// The hard occluders of a problem under its scheme, if it has such.
-pub(in crate::transport) fn hard<T: Real>(problem: &Problem, sizes: Levels) -> Option<Hard<T>> {
-    let scheme = schemes::find(&problem.propagation.scheme)?;
-    match LatticeSolids::new(problem, sizes, &scheme)?.occluders {
-        OcclusionLaw::Hard(hard) => Some(hard),
-        _ => None,
     }
 }
 

@@ -1,5 +1,7 @@
 //! A scheme made ready to run: its faces turned into all six directions, at a given factor and precision.
 
+use glam::DMat4;
+
 use super::face::Direction;
 use super::scheme::Scheme;
 use crate::sh::{Real, Sh};
@@ -93,6 +95,12 @@ impl<T: Real> Stencil<T> {
         };
         [gain(0), gain(1)]
     }
+}
+
+/// What is sent in each of [`Direction::ALL`], if it goes with the light, as matrices on it.
+pub fn matrices(sent: impl Fn(Direction, Sh<f64>) -> Sh<f64>) -> [DMat4; 6] {
+    let units = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]].map(Sh);
+    Direction::ALL.map(|d| DMat4::from_cols_array_2d(&units.map(|unit| sent(d, unit).0)))
 }
 
 #[cfg(test)]

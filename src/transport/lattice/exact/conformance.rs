@@ -1,21 +1,23 @@
 //! What must be true of [`Leaves`], whatever tiles the volume.
 
-use glam::DVec3;
+use glam::{DMat4, DVec3, DVec4};
 
+use super::blockers::{Blockers, Ways};
 use super::decay::Decay;
 use super::leaves::{Leaves, Way};
 use super::walls;
 use crate::field::{Cell, Grid, Layout, Levels, Marks, Octree};
 use crate::scene::Solid;
 use crate::sh::{LOBE0, Sh};
+use crate::transport::lattice::face::Direction;
 use crate::transport::lattice::geometry_volume::GeometryVolume;
 use crate::transport::lattice::hard_solids::HardSolids;
 use crate::transport::lattice::kernel::form::{Form, Share};
-use crate::transport::lattice::kernel::occluded::{Hard, OcclusionLaw, Which};
+use crate::transport::lattice::kernel::occluded::{Fuzzy, Hard, Mirrored, OcclusionLaw, Which};
 use crate::transport::lattice::kernel::{self, Instructions, Level, Order};
 use crate::transport::lattice::reach::everywhere;
 use crate::transport::lattice::schemes::{cascaded, find};
-use crate::transport::lattice::stencil::Stencil;
+use crate::transport::lattice::stencil::{Stencil, matrices};
 
 const N: usize = 16;
 
@@ -100,7 +102,7 @@ fn all_leaves_at_the_finest_level_are_the_uniform_volume_to_the_bit() {
     };
     kernel::step::step(&order, &mut level, 1, None);
     for way in [Way::InStep, Way::Ahead] {
-        let leaves = Leaves::<f32>::uniform(&widened(form.share), way, 0, N, &walls::Open);
+        let leaves = Leaves::<f32>::uniform(&widened(form.share), way, 0, N, &walls::Open(None));
         let mut target = Octree::new(source.sizes());
         leaves.apply(&source, &mut target);
         assert!(target.level(0) == &wanted, "{way:?}");
@@ -113,7 +115,7 @@ fn plane_light_goes_through_every_level_as_through_the_finest() {
     let share = share(3.0);
     for level in 0..3 {
         let (n, h) = (N >> level, 1usize << level);
-        let leaves = Leaves::<f64>::uniform(&share, Way::InStep, level, n, &walls::Open);
+        let leaves = Leaves::<f64>::uniform(&share, Way::InStep, level, n, &walls::Open(None));
         let mu = Decay::of(&share).mu();
         // A sum of e^(μx) and e^(−μx) with a direction, as the two are everywhere.
         let plane = |x: f64| Sh([(mu * (x - 7.0)).cosh(), 0.3 * (mu * (x - 7.0)).sinh(), 0.0, 0.0]);
@@ -195,12 +197,135 @@ fn walls_between_finest_leaves_are_those_of_the_uniform_volume() {
     }
 }
 
+/// Surfaces here and there, leaning and translucent.
+fn surfaces() -> Vec<Solid> {
+    let cells = Layout::new(N).cells().enumerate().filter(|(i, [x, y, _])| *x == 6 && noise(*i) < 0.7 || *y == 11);
+    let solid = |(i, cell): (usize, Cell)| {
+        let normal = DVec3::new(-1.0, noise(i) - 0.5, noise(i + 1) - 0.5).normalize();
+        Solid::new(cell, normal, 0.3 + 0.7 * noise(i + 2), [0.9, 0.2, 0.5])
+    };
+    cells.map(solid).collect()
+}
+
+fn finest() -> Levels {
+    Levels::new(N, N).unwrap()
+}
+
+/// Laws of what weakens light or turns it, for the blue of [`surfaces`].
+fn soft_laws() -> Vec<(OcclusionLaw<f64>, Which)> {
+    let geometry = GeometryVolume::new(finest(), &surfaces());
+    let which = Which { level: 0, colour: 2, blocks: true };
+    let fuzzy = |along_travel, bounce| {
+        OcclusionLaw::Fuzzy(Fuzzy { geometry: geometry.clone(), amplifier: 0.8, along_travel, bounce })
+    };
+    vec![
+        (fuzzy(false, 0.0), which),
+        (fuzzy(true, 0.5), which),
+        (fuzzy(false, 0.5), Which { blocks: false, ..which }),
+        (OcclusionLaw::Mirrored(Mirrored { geometry: geometry.clone() }), which),
+    ]
+}
+
+fn free(factor: f64) -> Ways {
+    matrices(|d, light| stencil(factor).send(d.index(), light))
+}
+
+fn blockers(law: &OcclusionLaw<f64>, which: Which, factor: f64) -> Blockers {
+    let touched = law.touched(0, N).cells;
+    assert!(touched.len() > N * N && touched.len() < N * N * N);
+    let ways = touched.into_iter().map(|cell| (cell, law.matrices(&stencil(factor), which, cell).unwrap()));
+    Blockers::new(Levels::new(N, 1).unwrap(), free(factor), ways)
+}
+
+#[test]
+fn finest_leaves_among_blockers_are_the_uniform_volume() {
+    for (law, which) in soft_laws() {
+        let blockers = blockers(&law, which, 3.0);
+        let mut source = Octree::new(Levels::new(N, 1).unwrap());
+        for (k, cell) in Layout::new(N).cells().enumerate() {
+            source.level_mut(0).set(cell, some_light(k));
+        }
+        let mut wanted = Grid::new(N);
+        law.propagate(&stencil(3.0), which, source.level(0), &mut wanted);
+        let mut marks: Vec<Marks> = source.sizes().sides().map(Marks::new).collect();
+        marks[0] = everywhere(N);
+        for way in [Way::InStep, Way::Ahead] {
+            let leaves = Leaves::<f64>::among(&share(3.0), way, marks.clone(), &walls::Open(Some(&blockers)));
+            let mut target = Octree::new(source.sizes());
+            leaves.apply(&source, &mut target);
+            for (cell, light) in wanted.iter() {
+                let found = target.level(0).get(cell);
+                assert!((found - light).max_norm() < 1e-13, "{cell:?}: {found:?}, {light:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn coarse_cells_among_blockers_take_a_finest_step_of_evenly_spread_light() {
+    for (law, which) in soft_laws() {
+        let blockers = blockers(&law, which, 3.0);
+        for level in 1..=3 {
+            let (n, h) = (N >> level, f64::from(1u32 << level));
+            let mut coarse = Grid::new(n);
+            Layout::new(n).cells().enumerate().for_each(|(k, cell)| coarse.set(cell, some_light(k)));
+            let mut fine = Grid::new(N);
+            Layout::new(N).cells().for_each(|cell| fine.set(cell, coarse.get(cell.map(|c| c >> level))));
+            let mut moved = Grid::new(N);
+            law.propagate(&stencil(3.0), which, &fine, &mut moved);
+            let mut wanted = Grid::new(n);
+            moved.iter().for_each(|(cell, light)| wanted.add(cell.map(|c| c >> level), light * h.powi(-3)));
+            for (cell, wanted) in wanted.iter() {
+                let Some(means) = blockers.means(level, cell) else { continue };
+                let mut found = Sh::ZERO;
+                for (d, direction) in Direction::ALL.into_iter().enumerate() {
+                    let times = |matrix: DMat4, light: Sh<f64>| Sh((matrix * DVec4::from_array(light.0)).to_array());
+                    let sender = direction.opposite().neighbour(cell, n).map_or(Sh::ZERO, |from| coarse.get(from));
+                    found += times(means.inside[d], coarse.get(cell)) * (1.0 - 1.0 / h);
+                    found += times(means.entering[d], sender) * (1.0 / h);
+                }
+                assert!((found - wanted).max_norm() < 1e-13, "level {level}, {cell:?}: {found:?}, {wanted:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn blockers_that_do_nothing_leave_leaves_of_all_sizes_as_they_are() {
+    let (marks, cells) = (around([5, 8, 10]), Layout::new(N).cells().filter(|[x, y, z]| (x + 2 * y + 5 * z) % 7 == 0));
+    let idle = Blockers::new(Levels::new(N, 1).unwrap(), free(3.8), cells.map(|cell| (cell, free(3.8))));
+    for way in [Way::InStep, Way::Ahead] {
+        let open = Leaves::<f64>::new(&share(3.8), way, marks.clone());
+        let among = Leaves::<f64>::among(&share(3.8), way, marks.clone(), &walls::Open(Some(&idle)));
+        let light = lit(&open);
+        let [mut wanted, mut found] = [(); 2].map(|()| Octree::new(light.sizes()));
+        open.apply(&light, &mut wanted);
+        among.apply(&light, &mut found);
+        for i in open.levels() {
+            let everywhere: Vec<(Cell, Sh<f64>)> = light.level(i).iter().collect();
+            open.add_source(i, &everywhere, wanted.level_mut(i));
+            among.add_source(i, &everywhere, found.level_mut(i));
+            for (cell, light) in wanted.level(i).iter() {
+                let other = found.level(i).get(cell);
+                assert!((light - other).max_norm() < 1e-13, "level {i}, {cell:?}: {light:?}, {other:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn both_ways_to_iterate_have_one_fixed_point() {
+    one_fixed_point(&walls::Open(None));
+    for (law, which) in soft_laws() {
+        one_fixed_point(&walls::Open(Some(&blockers(&law, which, 3.8))));
+    }
+}
+
+fn one_fixed_point(walls: &dyn walls::Walls) {
     let share = share(3.8);
     let marks = around([8, 8, 8]);
     let solve = |way| {
-        let leaves = Leaves::<f64>::new(&share, way, marks.clone());
+        let leaves = Leaves::<f64>::among(&share, way, marks.clone(), walls);
         let mut light = Octree::new(Levels::new(N, 1).unwrap());
         let mut next = light.clone();
         leaves.add_source(0, &[([9, 8, 8], Sh([LOBE0, 0.1, -0.2, 0.0]))], light.level_mut(0));

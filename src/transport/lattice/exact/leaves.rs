@@ -22,13 +22,15 @@
 //! Most leaves have six neighbours of their own size: *inner* ones, for which D is a number for each band. They lie in
 //! runs along x. The others, at the border of the volume, beside another level or a wall, are *seams*. Of those too there
 //! are few sorts: what comes in through a face and what stays depends on what lies beyond the six faces, not on where.
-//! A seam therefore names its [`Meeting`], which it shares with all that meet the same.
+//! A seam therefore names its [`Meeting`], which it shares with all that meet the same. Leaves that fuzzy occluders touch
+//! have matrices of their own ([`super::touched`]).
 
 use std::ops::Range;
 
 use super::crossing::{Crossing, Pass};
 use super::decay::Decay;
 use super::meeting::{Face, Meeting, Meetings, is_walled};
+use super::touched::{Around, Touched};
 use super::walls::{Open, Walls};
 use crate::field::{Cell, Layout, Marks, row_mask};
 use crate::sh::Real;
@@ -67,6 +69,8 @@ pub struct Tier<T> {
     pub(super) runs: Vec<Run>,
     /// The others, in the order of memory.
     pub(super) seams: Vec<Seam>,
+    /// Those that fuzzy occluders touch, which are neither inner ones nor seams, in the order of memory.
+    pub(super) touched: Vec<Touched<T>>,
     /// What seams meet.
     pub(super) meetings: Vec<Meeting<T>>,
     /// How much there is to do up to the end of every slab of the level, in inner leaves' worth.
@@ -100,7 +104,7 @@ pub(super) struct Seam {
     pub(super) sides: [u32; 6],
 }
 
-/// How many inner leaves take the time of a seam, about.
+/// How many inner leaves take the time of a seam, or of one that is touched, about.
 const SEAM: usize = 16;
 
 impl<T: Real> Leaves<T> {
@@ -114,7 +118,7 @@ impl<T: Real> Leaves<T> {
     /// The leaves that `marks` tells, one set a level, the finest first: they must tile the volume, and leaves that
     /// share a face must be of the same level or of neighbouring ones. `share` is that of one finest step.
     pub fn new(share: &Share<f64>, way: Way, marks: Vec<Marks>) -> Self {
-        Self::from_level(share, way, 0, marks, &Open)
+        Self::from_level(share, way, 0, marks, &Open(None))
     }
 
     /// As [`Self::new`], with walls that stand in the way.
@@ -171,6 +175,7 @@ impl<T: Real> Leaves<T> {
             size_of_val(tier.marks.words())
                 + (tier.all.capacity() + tier.runs.capacity()) * size_of::<Run>()
                 + tier.seams.capacity() * size_of::<Seam>()
+                + tier.touched.capacity() * size_of::<Touched<T>>()
                 + tier.meetings.capacity() * size_of::<Meeting<T>>()
                 + tier.work.capacity() * size_of::<usize>()
         };
@@ -198,15 +203,32 @@ impl<T: Real> Tier<T> {
             }
         }
         let layout = Layout::new(here.side());
+        let faces = |cell| Direction::ALL.map(|d| Face::of(marks, i, cell, d));
+        let is_touched: Vec<Cell> = match walls.blockers() {
+            Some(blockers) => blockers.touched(level).filter(|cell| here.get(*cell)).collect(),
+            None => Vec::new(),
+        };
+        for cell in &is_touched {
+            enclosed.put(*cell, false);
+            others.set(*cell);
+        }
+        let work = work(&enclosed, &others);
+        is_touched.iter().for_each(|cell| others.put(*cell, false));
+        let residence = inner.residence.map(T::to_f64).into_iter().fold(1.0, f64::max);
+        let touched = walls.blockers().into_iter().flat_map(|blockers| {
+            let around = Around { blockers, decay, way, level, residence };
+            let leaf = |cell: &Cell| around.leaf(*cell, layout.index(*cell) as u32, &faces(*cell));
+            is_touched.iter().filter_map(leaf).collect::<Vec<_>>()
+        });
+        let touched = touched.collect();
         let seam = |cell| {
-            let sides = Direction::ALL.map(|d| Face::of(marks, i, cell, d));
+            let sides = faces(cell);
             let meeting = meetings.of(cell, &sides, here.side());
             Seam { at: layout.index(cell) as u32, meeting, sides: sides.map(|side| side.place) }
         };
         let seams = others.cells().map(seam).collect();
-        let work = work(&enclosed, &others);
         let (count, all, runs, meetings) = (here.count(), runs(here), runs(&enclosed), meetings.met);
-        Tier { marks: here.clone(), count, all, inner, runs, seams, meetings, work }
+        Tier { marks: here.clone(), count, all, inner, runs, seams, touched, meetings, work }
     }
 }
 

@@ -75,7 +75,7 @@ impl Face {
 
 impl Beyond {
     /// How many leaves.
-    fn count(self) -> usize {
+    pub(super) fn count(self) -> usize {
         match self {
             Beyond::Dark => 0,
             Beyond::Same | Beyond::Coarser => 1,
@@ -84,7 +84,7 @@ impl Beyond {
     }
 
     /// Their level, seen from `level`.
-    fn level(self, level: usize) -> usize {
+    pub(super) fn level(self, level: usize) -> usize {
         match self {
             Beyond::Dark | Beyond::Same => level,
             Beyond::Coarser => level + 1,

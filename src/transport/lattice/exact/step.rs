@@ -10,6 +10,7 @@ use multiversion::multiversion;
 
 use super::leaves::{Inner, Leaves, Run, Seam, Tier, Way};
 use super::meeting::{Beyond, Meeting};
+use super::touched::Touched;
 use crate::field::{Cell, Grid, Layout, Octree, Slabs};
 use crate::sh::{Real, Sh};
 use crate::transport::lattice::kernel::form::Share;
@@ -72,6 +73,8 @@ impl<T: Real> Leaves<T> {
                 Way::InStep => seams_in_step(seams, &tier.meetings, &around, begin, target.planes_mut()),
                 Way::Ahead => seams_ahead(seams, &tier.meetings, &around, begin, target.planes_mut()),
             }
+            let touched = among(&tier.touched, |touched| touched.at as usize, &range);
+            touched_leaves(touched, &around, begin, target.planes_mut());
             if let Some(mut sum) = sum {
                 let all = among(&tier.all, |run| run.at, &range);
                 for (from, to) in target.planes_mut().into_iter().zip(sum.planes_mut()) {
@@ -112,7 +115,7 @@ impl<T: Real> Leaves<T> {
                 seams = &seams[1..];
             }
             let seam = seams.first().filter(|seam| seam.at as usize == at);
-            let light = self.amount(tier, seam, *light);
+            let light = self.amount(tier, at as u32, seam, *light);
             to.iter_mut().zip(light.0).for_each(|(plane, c)| plane[at] += c);
         }
     }
@@ -122,11 +125,14 @@ impl<T: Real> Leaves<T> {
         let tier = self.tier(i);
         let at = Layout::new(tier.marks.side()).index(cell) as u32;
         let seam = tier.seams.binary_search_by_key(&at, |seam| seam.at).ok();
-        self.amount(tier, seam.map(|found| &tier.seams[found]), source)
+        self.amount(tier, at, seam.map(|found| &tier.seams[found]), source)
     }
 
-    /// What a source amounts to in a leaf at a seam, or in an inner one.
-    fn amount(&self, tier: &Tier<T>, seam: Option<&Seam>, source: Sh<T>) -> Sh<T> {
+    /// What a source amounts to in a leaf at a place: one that is touched, at a seam, or an inner one.
+    fn amount(&self, tier: &Tier<T>, at: u32, seam: Option<&Seam>, source: Sh<T>) -> Sh<T> {
+        if let Ok(found) = tier.touched.binary_search_by_key(&at, |touched| touched.at) {
+            return tier.touched[found].residence.times(source);
+        }
         match (seam, self.way()) {
             (Some(_), Way::InStep) => source,
             (Some(seam), Way::Ahead) => tier.meetings[seam.meeting as usize].within.solve(source),
@@ -227,17 +233,7 @@ impl<T: Real> Around<'_, T> {
     #[inline(always)]
     fn receive<const AXIS: usize>(&self, faces: [usize; 2], seam: &Seam, meeting: &Meeting<T>, sum: &mut Sh<T>) {
         for face in faces {
-            let at = seam.sides[face] as usize;
-            let light = match meeting.beyond[face] {
-                Beyond::Dark => continue,
-                Beyond::Same => at_place(self.here, at),
-                Beyond::Coarser => at_place(self.coarser, at),
-                Beyond::Finer => {
-                    let (u, v) = (self.finer_steps[(AXIS + 1) % 3], self.finer_steps[(AXIS + 2) % 3]);
-                    let there = |at| at_place(self.finer, at);
-                    (there(at) + there(at + u)) + (there(at + v) + there(at + u + v))
-                }
-            };
+            let Some(light) = self.beyond::<AXIS>(meeting.beyond[face], seam.sides[face]) else { continue };
             let Share { alpha, beta, gamma, delta, epsilon } = meeting.shares[face];
             let [c, along] = [light.0[0], light.0[1 + AXIS]];
             sum.0[0] += alpha * c + beta * along;
@@ -245,6 +241,38 @@ impl<T: Real> Around<'_, T> {
             sum.0[1 + (AXIS + 1) % 3] += epsilon * light.0[1 + (AXIS + 1) % 3];
             sum.0[1 + (AXIS + 2) % 3] += epsilon * light.0[1 + (AXIS + 2) % 3];
         }
+    }
+
+    /// The light beyond a face across an axis, if any can be.
+    #[inline(always)]
+    fn beyond<const AXIS: usize>(&self, beyond: Beyond, at: u32) -> Option<Sh<T>> {
+        let at = at as usize;
+        Some(match beyond {
+            Beyond::Dark => return None,
+            Beyond::Same => at_place(self.here, at),
+            Beyond::Coarser => at_place(self.coarser, at),
+            Beyond::Finer => {
+                let (u, v) = (self.finer_steps[(AXIS + 1) % 3], self.finer_steps[(AXIS + 2) % 3]);
+                let there = |at| at_place(self.finer, at);
+                (there(at) + there(at + u)) + (there(at + v) + there(at + u + v))
+            }
+        })
+    }
+
+    /// What is in a touched leaf an iteration later.
+    fn touched(&self, leaf: &Touched<T>) -> Sh<T> {
+        let mut sum = leaf.stays.times(at_place(self.here, leaf.at as usize));
+        for (face, (beyond, at)) in leaf.beyond.into_iter().zip(leaf.sides).enumerate() {
+            let light = match face / 2 {
+                0 => self.beyond::<0>(beyond, at),
+                1 => self.beyond::<1>(beyond, at),
+                _ => self.beyond::<2>(beyond, at),
+            };
+            if let Some(light) = light {
+                sum += leaf.shares[face].times(light);
+            }
+        }
+        sum
     }
 }
 
@@ -287,6 +315,18 @@ fn seams_in_step<T: Real>(
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
 fn seams_ahead<T: Real>(of: &[Seam], meetings: &[Meeting<T>], around: &Around<'_, T>, begin: usize, to: [&mut [T]; 4]) {
     seams(of, meetings, around, begin, to, |meeting, received, _| meeting.within.solve(received));
+}
+
+fn touched_leaves<T: Real>(
+    leaves: &[Touched<T>],
+    around: &Around<'_, T>,
+    begin: usize,
+    [c, x, y, z]: [&mut [T]; 4],
+) {
+    for leaf in leaves {
+        let to = leaf.at as usize - begin;
+        [c[to], x[to], y[to], z[to]] = settle(around.touched(leaf)).0;
+    }
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]

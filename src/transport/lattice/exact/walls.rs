@@ -1,14 +1,20 @@
 //! What stands between leaves: cells that let a share of the light that enters them go on, and mirror some of the rest.
 
+use super::blockers::Blockers;
 use crate::field::{Cell, Grid};
 use crate::sh::{Real, Sh};
 use crate::transport::lattice::kernel::occluded::Hard;
 
 /// Walls, by level and cell.
 pub trait Walls {
-    /// Whether there are any.
+    /// Whether any cell lets less than all light go on.
     fn any(&self) -> bool {
         true
+    }
+
+    /// What acts on light otherwise than by a share for each axis.
+    fn blockers(&self) -> Option<&Blockers> {
+        None
     }
 
     /// The share of the light that enters a cell along an axis (0 for x) that goes on in it, 0 to 1.
@@ -18,13 +24,17 @@ pub trait Walls {
     fn mirrors(&self, level: usize, cell: Cell) -> f64;
 }
 
-/// Nothing stands in light's way.
+/// No cell stands in light's way, but blockers may act on it.
 #[derive(Clone, Copy, Debug)]
-pub struct Open;
+pub struct Open<'a>(pub Option<&'a Blockers>);
 
-impl Walls for Open {
+impl Walls for Open<'_> {
     fn any(&self) -> bool {
         false
+    }
+
+    fn blockers(&self) -> Option<&Blockers> {
+        self.0
     }
 
     fn passes(&self, _: usize, _: Cell, _: usize) -> f64 {

@@ -15,7 +15,7 @@ use crate::field::{Cell, Grid};
 use crate::sh::{Real, Sh};
 use crate::transport::lattice::face::Direction;
 use crate::transport::lattice::geometry_volume::GeometryVolume;
-use crate::transport::lattice::stencil::{Stencil, Tap};
+use crate::transport::lattice::stencil::Stencil;
 
 /// What NVIDIA's sample multiplies its reflected light by.
 pub const REFLECTION: f64 = 4.8;
@@ -90,26 +90,34 @@ impl<T: Real> Fuzzy<T> {
         cell: Cell,
         around: &[Around<T>; 6],
     ) -> Sh<T> {
-        let each = Direction::ALL.iter().zip(around).zip(stencil.taps());
-        let receive = |((direction, around), taps): ((&Direction, &Around<T>), &Vec<Tap<T>>)| {
-            let light = sender(source, cell, *direction);
-            let mut reflected = T::ZERO;
-            let mut received = Sh::ZERO;
-            for tap in taps {
-                let mut flux = tap.flux(light);
-                if which.blocks {
-                    let blocked = (self.amplifier * around.near.dot(tap.travel)).max(T::ZERO);
-                    flux *= (T::of(1.0) - blocked).max(T::ZERO);
-                }
-                received += tap.lobe * flux;
-                reflected += around.facing * flux * T::of(REFLECTION);
+        let each = Direction::ALL.into_iter().zip(around);
+        each.map(|(direction, around)| self.admit(stencil, which, direction, around, sender(source, cell, direction))).sum()
+    }
+
+    /// What a cell receives of the `light` of the neighbour that sends it in a direction.
+    pub(super) fn admit(
+        &self,
+        stencil: &Stencil<T>,
+        which: Which,
+        direction: Direction,
+        around: &Around<T>,
+        light: Sh<T>,
+    ) -> Sh<T> {
+        let mut reflected = T::ZERO;
+        let mut received = Sh::ZERO;
+        for tap in &stencil.taps()[direction.index()] {
+            let mut flux = tap.flux(light);
+            if which.blocks {
+                let blocked = (self.amplifier * around.near.dot(tap.travel)).max(T::ZERO);
+                flux *= (T::of(1.0) - blocked).max(T::ZERO);
             }
-            if reflected == T::ZERO || self.bounce == T::ZERO {
-                return received;
-            }
-            received + stencil.reflect(around.far * (reflected * around.albedo[which.colour] * self.bounce))
-        };
-        each.map(receive).sum()
+            received += tap.lobe * flux;
+            reflected += around.facing * flux * T::of(REFLECTION);
+        }
+        if reflected == T::ZERO || self.bounce == T::ZERO {
+            return received;
+        }
+        received + stencil.reflect(around.far * (reflected * around.albedo[which.colour] * self.bounce))
     }
 }
 

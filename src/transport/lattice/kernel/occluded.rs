@@ -2,6 +2,8 @@
 //!
 //! Like [`super::plain`] this is a definition: it gathers, cell by cell, what the six neighbours send.
 
+use glam::DMat4;
+
 use super::fuzzy::Around;
 pub use super::fuzzy::Fuzzy;
 #[cfg(feature = "gpu")]
@@ -14,7 +16,7 @@ use crate::sh::{Real, Sh};
 use crate::transport::lattice::face::Direction;
 use crate::transport::lattice::geometry_volume::GeometryVolume;
 use crate::transport::lattice::hard_solids::HardSolids;
-use crate::transport::lattice::stencil::Stencil;
+use crate::transport::lattice::stencil::{Stencil, matrices};
 
 /// The occluders of a scene, and what they do to light.
 #[derive(Clone, Debug, PartialEq)]
@@ -130,6 +132,24 @@ impl<T: Real> OcclusionLaw<T> {
     }
 }
 
+impl OcclusionLaw<f64> {
+    /// What a cell receives of the light that its neighbours send in each of [`Direction::ALL`], as matrices on that
+    /// light: all there is to say where what a cell receives depends on its neighbours alone and no flux is clamped.
+    /// `None` for hard occluders, which send some of a cell's own light back.
+    pub fn matrices(&self, stencil: &Stencil<f64>, which: Which, cell: Cell) -> Option<[DMat4; 6]> {
+        match self {
+            OcclusionLaw::Fuzzy(fuzzy) => {
+                let around = fuzzy.around(which.level, cell);
+                Some(matrices(|d, light| fuzzy.admit(stencil, which, d, &around[d.index()], light)))
+            }
+            OcclusionLaw::Mirrored(mirrored) => {
+                Some(matrices(|d, light| mirrored.admit(stencil, which, cell, d, light)))
+            }
+            OcclusionLaw::Hard(_) => None,
+        }
+    }
+}
+
 impl<T> Touched<T> {
     /// Bytes that a cell takes.
     pub const CELL: usize = size_of::<Cell>();
@@ -160,8 +180,12 @@ impl<T: Real> Mirrored<T> {
     }
 
     fn receive(&self, stencil: &Stencil<T>, which: Which, source: &Grid<T>, cell: Cell, d: usize) -> Sh<T> {
-        let direction = Direction::ALL[d];
-        let sent = stencil.send(d, sender(source, cell, direction));
+        self.admit(stencil, which, cell, Direction::ALL[d], sender(source, cell, Direction::ALL[d]))
+    }
+
+    /// What a cell receives of the `light` of the neighbour that sends it in a direction.
+    fn admit(&self, stencil: &Stencil<T>, which: Which, cell: Cell, direction: Direction, light: Sh<T>) -> Sh<T> {
+        let sent = stencil.send(direction.index(), light);
         let occupied = self.geometry.opacity(which.level, cell, direction.axis());
         let reflected = occupied * self.geometry.albedo(which.level, cell, which.colour);
         sent * (T::of(1.0) - occupied) + sent.mirrored(direction.axis()) * reflected
