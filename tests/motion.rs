@@ -64,3 +64,19 @@ fn four_warm_iterations_are_worth_many_cold_ones() {
         assert!(more <= warm && warm <= fewer, "p = {factor}: {warm} is not between {more} and {fewer}");
     }
 }
+
+#[test]
+fn a_warm_start_among_walls_of_three_colours_comes_to_what_iterating_does() {
+    for mode in ["Hard", "Fuzzy"] {
+        let text = format!(
+            "(version: 1, size: 16, injectors: [(kind: Single(cell: (4, 8, 8)), direction: (1, 0, 0))],
+              occluders: [(kind: Plane(axis: X, at: 7), normal: (-1, 0, 0), albedo: (0.9, 0.4, 0.1))],
+              occlusion: (mode: {mode}, bounce: 0.5),
+              propagation: (factor: 3.0, iterations: 8, clamp: false, descent: Cells))"
+        );
+        let problem = Problem::build(&preset::parse(&text, "walls.ron".as_ref()).unwrap(), "".as_ref()).unwrap();
+        let still = means(&(problem, Vec::new()), 2, Placing::Nearest, true);
+        assert!(still.error < 1e-4, "{mode}: {}", still.error);
+        assert!(still.flicker.unwrap() < 1e-4, "{mode}: {:?}", still.flicker);
+    }
+}

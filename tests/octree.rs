@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use glam::DVec3;
-use lpv_lab::field::{Cell, Grid, downsample_into};
+use lpv_lab::field::{Cell, Grid, Octree, downsample_into};
 use lpv_lab::scene::occluder::OcclusionMode;
 use lpv_lab::scene::propagation::descent::Descent;
 use lpv_lab::scene::propagation::{Index, Policy};
@@ -260,6 +260,71 @@ fn a_wall_stops_a_descent_as_it_stops_a_uniform_volume() {
         // level alone, and not that of the descent.
         let told = Expectation::Merged.rows(&simulation, &References::default())[0].l1_ratio;
         assert!((told - error).abs() < 1e-4, "{descent:?}: {told}, {error}");
+    }
+}
+
+/// A wall of leaning, translucent, coloured surfaces between a lobe and the rest.
+fn behind_a_soft_wall(scheme: &str, occlusion: Occlusion) -> Problem {
+    let mut problem = problem(3.0, [([4, 8, 8], DVec3::X)]);
+    (problem.size, problem.coarsest) = (16, 1);
+    problem.propagation = Propagation { scheme: scheme.to_owned(), clamp: false, ..problem.propagation };
+    let leaning = |y: usize, z: usize| DVec3::new(-1.0, 0.3 * (y % 3) as f64 - 0.3, 0.2 * (z % 2) as f64).normalize();
+    let wall = (0..16 * 16).map(|i| [7, i % 16, i / 16]).filter(|[_, y, z]| (*y, *z) != (8, 3));
+    let solid = |cell: Cell| Solid::new(cell, leaning(cell[1], cell[2]), 0.8, [0.9, 0.5, 0.1]);
+    problem.solids = wall.map(solid).collect();
+    problem.occlusion = occlusion;
+    problem
+}
+
+fn soft_walls() -> [Problem; 4] {
+    let fuzzy = Occlusion { mode: OcclusionMode::Fuzzy, ..Occlusion::default() };
+    [
+        behind_a_soft_wall("cascaded", fuzzy),
+        behind_a_soft_wall("cascaded", Occlusion { bounce: 0.5, ..fuzzy }),
+        // Light takes three steps before it is stopped, and is turned all the while.
+        behind_a_soft_wall("cascaded", Occlusion { bounce: 0.5, from_iteration: 4, ..fuzzy }),
+        behind_a_soft_wall("reflective", fuzzy),
+    ]
+}
+
+/// What the uniform volume holds of every colour once nothing more moves.
+fn for_ever(problem: &Problem) -> Vec<Grid<f64>> {
+    let mut uniform = Simulation::<f64>::new(Problem { coarsest: problem.size, ..problem.clone() }).unwrap();
+    uniform.run_all(Wanted::Everything);
+    uniform.advance(600, Wanted::Everything);
+    uniform.lights().iter().map(|light| light.accumulated.level(0).clone()).collect()
+}
+
+#[test]
+fn what_weakens_light_and_turns_it_does_so_in_a_descent_as_in_a_uniform_volume() {
+    for mut problem in soft_walls() {
+        let uniform = for_ever(&problem);
+        for (descent, iterations, most) in
+            [(Descent::Cells, 300, 1e-9), (Descent::Cells, 4, 0.05), (Descent::Leaves { distance: 3.0 }, 4, 0.07)]
+        {
+            problem.propagation = Propagation { descent, iterations, ..problem.propagation.clone() };
+            let mut simulation = Simulation::<f64>::new(problem.clone()).unwrap();
+            simulation.run(|_| true);
+            assert_eq!(simulation.lights().len(), uniform.len());
+            for (light, uniform) in simulation.lights().iter().zip(&uniform) {
+                let error = l1(light.merged.as_ref().unwrap(), uniform);
+                assert!(error <= most, "{descent:?}, {iterations}: {error}");
+            }
+        }
+        // Coarse levels by themselves; of the schemes whose clamp never ceases to act other things are known.
+        let of = |levels: Policy| {
+            let propagation =
+                Propagation { levels, descent: Descent::Off, iterations: 300, ..problem.propagation.clone() };
+            let mut simulation = Simulation::<f64>::new(Problem { propagation, ..problem.clone() }).unwrap();
+            simulation.run_all(Wanted::Everything);
+            let mut wanted = Octree::new(simulation.sizes());
+            wanted.level_mut(0).copy_from(&uniform[0]);
+            wanted.downsample();
+            [1, 2, 3].map(|i| l1(simulation.lights()[0].accumulated.level(i), wanted.level(i)))
+        };
+        let (exact, consistent) = (of(Policy::Exact), of(Policy::Consistent));
+        let is_better = exact.iter().zip(&consistent).all(|(exact, consistent)| exact < consistent);
+        assert!(is_better || problem.propagation.scheme == "reflective", "{exact:?}, {consistent:?}");
     }
 }
 

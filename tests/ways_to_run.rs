@@ -31,11 +31,6 @@ fn preset(name: &str) -> Problem {
     problem
 }
 
-/// Exact levels take no fuzzy occluders.
-fn takes(levels: Policy, problem: &Problem) -> bool {
-    !levels.is_exact() || !problem.has_occluders() || problem.occlusion.mode == OcclusionMode::Hard
-}
-
 fn stepped(problem: &Problem, options: Options) -> Simulation<f32> {
     let mut simulation = Simulation::with_options(problem.clone(), options).unwrap();
     simulation.run(|_| true);
@@ -83,9 +78,6 @@ fn every_way_leaves_the_same_light_on_all_levels() {
     for name in PRESETS {
         for levels in Policy::ALL {
             let mut problem = preset(name);
-            if !takes(levels, &problem) {
-                continue;
-            }
             problem.propagation.levels = levels;
             let straight = on(1, || stepped(&problem, STRAIGHT));
             for (threads, options) in ways() {

@@ -14,11 +14,12 @@
 //! any of the four is above ε: nobody sees the others.
 
 use super::light::channel_scales;
+use super::reference;
 use crate::field::{Cell, Grid, Levels, Octree};
 use crate::scene::Problem;
 use crate::scene::path::{Keyframe, Placing};
 use crate::scene::propagation::descent::Descent as Asked;
-use crate::scene::propagation::{Policy, Propagation};
+use crate::scene::propagation::Policy;
 use crate::simulation::options::Wanted;
 use crate::simulation::{Refusal, Simulation};
 use crate::transport::descent::{Descent, Grids, Injected, of_problem};
@@ -98,6 +99,9 @@ pub enum MotionError {
     /// There is nothing to hold the light against.
     #[error("what is right cannot be told: {0}")]
     NoReference(#[from] NoFixedPoint),
+    /// Light among occluders grows for ever.
+    #[error("what is right cannot be told: light grows for ever; use a smaller factor, or less that turns light back")]
+    Grows,
     /// Only descents and a single level can start from the last frame.
     #[error("a warm start is for a descent or for levels that are alike; leave --levels out or choose a descent")]
     Cold,
@@ -118,7 +122,7 @@ pub fn run(
         let time = number as f64 / setting.rate;
         let at = |placing| problem.at_time(paths, time, placing);
         let (light, scales) = match &mut warm {
-            Some(warm) => warm.frame(&at(setting.placing)),
+            Some(warm) => warm.frame(&at(setting.placing))?,
             None => cold(at(setting.placing))?,
         };
         let right = right(&at(Placing::Split))?;
@@ -147,10 +151,12 @@ fn cold(problem: Problem) -> Result<(Vec<Grid<f32>>, Vec<f64>), Refusal> {
     Ok((light, channel_scales(simulation.channels())))
 }
 
-/// All light there would ever be in the uniform volume.
-fn right(problem: &Problem) -> Result<Vec<Grid<f32>>, NoFixedPoint> {
-    let propagation = Propagation { descent: Asked::Off, levels: Policy::Same, ..problem.propagation.clone() };
-    let problem = Problem { coarsest: problem.size, propagation, ..problem.clone() };
+/// All light there would ever be in the uniform volume; among occluders, which no solver takes, what iterating comes to.
+fn right(problem: &Problem) -> Result<Vec<Grid<f32>>, MotionError> {
+    let problem = reference::finest(problem);
+    if problem.has_occluders() {
+        return reference::all_light(&problem)?.ok_or(MotionError::Grows);
+    }
     // Nobody stops it, so there is an answer.
     Ok(transport::solve(&problem, TOLERANCE, |_| true)?.map(|found| found.light).unwrap_or_default())
 }
@@ -214,26 +220,23 @@ impl Warm {
         if !(alike || propagation.descent.goes_down()) {
             return Err(MotionError::Cold);
         }
-        let mut problem = problem.clone();
-        if problem.propagation.descent == Asked::Off {
-            // The finest level alone, which is all there is to a descent without coarser ones.
-            problem.coarsest = problem.size;
-            problem.propagation.descent = Asked::Cells;
-        }
-        let sizes = Levels::new(problem.size, problem.coarsest)
-            .ok_or(Refusal::Sizes { size: problem.size, coarsest: problem.coarsest })?;
+        let (descent, sizes) = descent_of(problem)?;
         let channels = problem.channels();
         let channel = || Channel { grids: [(); 3].map(|()| Octree::new(sizes)), moved: None };
         Ok(Warm {
-            iterations: problem.propagation.iterations.max(1),
+            iterations: propagation.iterations.max(1),
             scales: channel_scales(&channels),
-            descent: of_problem(&problem, sizes, channels.count())?,
+            descent,
             channels: (0..channels.count()).map(|_| channel()).collect(),
         })
     }
 
-    fn frame(&mut self, problem: &Problem) -> (Vec<Grid<f32>>, Vec<f64>) {
+    fn frame(&mut self, problem: &Problem) -> Result<(Vec<Grid<f32>>, Vec<f64>), Refusal> {
         let Warm { iterations, descent, channels, .. } = self;
+        if problem.has_occluders() {
+            // Which cells light can get to goes by where it is.
+            (*descent, _) = descent_of(problem)?;
+        }
         let mut injected = problem.injected::<f32>(&problem.channels());
         let mut rooms: Vec<Grid<f32>> = injected.iter().map(|light| Grid::new(light.side())).collect();
         let both = injected.iter_mut().zip(&mut rooms);
@@ -257,6 +260,19 @@ impl Warm {
             channel.moved = Some(rest);
             merged
         });
-        (light.collect(), self.scales.clone())
+        Ok((light.collect(), self.scales.clone()))
     }
+}
+
+/// What a warm start goes on with: the problem's descent, or that of the finest level alone, which is all there is to a
+/// descent without coarser ones.
+fn descent_of(problem: &Problem) -> Result<(Descent<f32>, Levels), Refusal> {
+    let mut problem = problem.clone();
+    if problem.propagation.descent == Asked::Off {
+        problem.coarsest = problem.size;
+        problem.propagation.descent = Asked::Cells;
+    }
+    let Problem { size, coarsest, .. } = problem;
+    let sizes = Levels::new(size, coarsest).ok_or(Refusal::Sizes { size, coarsest })?;
+    Ok((of_problem(&problem, sizes, problem.channels().count())?, sizes))
 }

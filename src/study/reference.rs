@@ -64,7 +64,7 @@ fn cast<T: Real>(light: &Grid<f32>) -> Grid<T> {
 }
 
 /// The finest level of a problem alone, propagated as ever.
-fn finest(problem: &Problem) -> Problem {
+pub(super) fn finest(problem: &Problem) -> Problem {
     let propagation = Propagation { descent: Descent::Off, levels: Policy::Same, ..problem.propagation.clone() };
     Problem { coarsest: problem.size, propagation, ..problem.clone() }
 }
@@ -85,7 +85,7 @@ pub fn fixed_point(problem: &Problem) -> Result<Option<Vec<Grid<f32>>>, Refusal>
 }
 
 /// [`fixed_point()`] of a single level, of those snapshots that count.
-fn all_light(problem: &Problem) -> Result<Option<Vec<Grid<f32>>>, Refusal> {
+pub(super) fn all_light(problem: &Problem) -> Result<Option<Vec<Grid<f32>>>, Refusal> {
     if let Ok(Some(found)) = transport::solve(problem, TOLERANCE, |_| true) {
         return Ok(Some(found.light));
     }
