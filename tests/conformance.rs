@@ -5,6 +5,7 @@
 use glam::DVec3;
 use lpv_lab::field::{Cell, Grid};
 use lpv_lab::scene::occluder::OcclusionMode;
+use lpv_lab::scene::propagation::Policy;
 use lpv_lab::scene::propagation::Propagation;
 use lpv_lab::scene::propagation::descent::Descent;
 use lpv_lab::scene::propagation::directions::{Lattice, Setting};
@@ -240,6 +241,29 @@ fn what_is_counted_is_what_is_allocated() {
             let simulation = run::<f32>(problem);
             let allocated = (simulation.bytes() + simulation.shared_bytes()) as f64;
             assert!((counted / allocated - 1.0).abs() < 0.05, "{}, {mode:?}: {counted} of {allocated}", kind.name);
+        }
+    }
+}
+
+#[test]
+fn occluders_of_exact_levels_and_descents_are_counted() {
+    let wall: Vec<Solid> =
+        (0..64 * 64).map(|i| Solid::new([32, i % 64, i / 64], DVec3::X, 1.0, [0.9, 0.5, 0.1])).collect();
+    for (levels, descent) in [
+        (Policy::Exact, Descent::Off),
+        (Policy::Same, Descent::Cells),
+        (Policy::Same, Descent::Leaves { distance: 2.0 }),
+    ] {
+        for (mode, bounce) in [(OcclusionMode::Fuzzy, 0.0), (OcclusionMode::Fuzzy, 0.5), (OcclusionMode::Hard, 0.5)] {
+            let propagation = Propagation { levels, descent, iterations: 1, ..Propagation::default() };
+            let mut problem = problem(64, vec![lobe([3, 30, 30], [1.0, 0.0, 0.0], 1.0)], propagation);
+            problem.solids = wall.clone();
+            problem.occlusion = Occlusion { mode, bounce, ..Occlusion::default() };
+            let counted = Simulation::<f32>::bytes_of(&problem, &Options::default()).unwrap() as f64;
+            let simulation = run::<f32>(problem);
+            let allocated = (simulation.bytes() + simulation.shared_bytes()) as f64;
+            let ratio = counted / allocated;
+            assert!((0.8..1.25).contains(&ratio), "{levels:?}, {descent:?}, {mode:?}: {counted} of {allocated}");
         }
     }
 }

@@ -43,7 +43,7 @@ use std::sync::Arc;
 
 use super::kind::{Kind, Law, Setup, Transport};
 use super::lattice::linear::linear_form;
-use super::lattice::obstacles::Obstacles;
+use super::lattice::obstacles::{self, Obstacles};
 use super::lattice::{self, exact};
 use super::refusal::Refusal;
 use crate::field::Levels;
@@ -87,7 +87,7 @@ fn bytes(problem: &Problem, sizes: Levels, channels: usize, number: usize) -> u6
         return lattice::bytes(problem, sizes, channels, number);
     }
     let light = 4 * number as u64 * sizes.cells() as u64;
-    light * channels as u64 + light / 4
+    light * channels as u64 + light / 4 + obstacles::bytes(problem, sizes, channels, number)
 }
 
 /// Steps that light may take cell by cell before occluders stop it.

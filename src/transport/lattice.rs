@@ -96,7 +96,8 @@ pub(super) fn bytes(problem: &Problem, sizes: Levels, channels: usize, number: u
     let marks = sizes.cells() as u64 / 4 * channels as u64;
     let coarse = match problem.propagation.levels {
         Policy::Exact | Policy::Ahead => {
-            (1..sizes.count()).map(|i| Leaves::<f32>::bytes_of_uniform(i, sizes.side(i))).sum()
+            let leaves: u64 = (1..sizes.count()).map(|i| Leaves::<f32>::bytes_of_uniform(i, sizes.side(i))).sum();
+            leaves + obstacles::bytes(problem, sizes, channels, number)
         }
         _ => 0,
     };
@@ -163,7 +164,7 @@ impl<T: Real> Lattice<T> {
                 ceiling.amplify(1, 4.0 * exact::residence(&share, factor, sizes.count())?);
             }
             let colours = setup.channels.count();
-            let obstacles = Obstacles::new(problem, *sizes, colours);
+            let obstacles = Obstacles::new(problem, *sizes, colours).map(Arc::new);
             if obstacles.is_some() {
                 // Of a leaf that occluders touch what stays, what leaves and what enters are not of one share.
                 ceiling.amplify(1, 4.0);
@@ -315,7 +316,8 @@ impl<T: Real> Transport<T> for Lattice<T> {
     fn shared_bytes(&self) -> usize {
         let marks = self.accumulating.iter().flat_map(|cells| cells.iter());
         let marks: usize = marks.map(|cells| size_of_val(cells.words())).sum();
-        marks + self.solids.as_ref().map_or(0, |solids| solids.bytes())
+        let coarse = self.coarse.as_ref().map_or(0, Coarse::shared_bytes);
+        marks + coarse + self.solids.as_ref().map_or(0, |solids| solids.bytes())
     }
 
     fn boxed_clone(&self) -> Box<dyn Transport<T>> {

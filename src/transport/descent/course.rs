@@ -109,9 +109,7 @@ impl<T: Real> Descent<T> {
         let stages = partition::stages(self.sizes, self.tiling, &near);
         let leaves = |marks: &Vec<Marks>, colour: usize| match obstacles {
             None => Leaves::new(&self.share, Way::Ahead, marks.clone()),
-            Some(obstacles) => {
-                Leaves::among(&self.share, Way::Ahead, marks.clone(), &*obstacles.walls(colour, true))
-            }
+            Some(obstacles) => Leaves::among(&self.share, Way::Ahead, marks.clone(), &*obstacles.walls(colour, true)),
         };
         let sorts = obstacles.map_or(1, |obstacles| obstacles.sorts(injected.len()));
         self.stages = (0..sorts)
@@ -304,6 +302,11 @@ impl<T: Real> Descent<T> {
         let finest: &[_] = if j == 0 { &[] } else { &found.injected[0] };
         add(finest, merged);
         add(&found.elsewhere, merged);
+    }
+
+    /// Bytes of memory that what stands in light's way takes, which copies share.
+    pub fn shared_bytes(&self) -> usize {
+        self.obstacles.as_deref().map_or(0, Obstacles::bytes)
     }
 
     /// Bytes of memory that it holds beside the grids.

@@ -102,7 +102,8 @@ impl<T: Real> Launch<'_, T> {
 
     /// Whether no clamp acts on the light, now and in all steps to come, or clamps are left alone.
     fn is_linear(&self, light: &Grid<T>, lit: &Marks) -> bool {
-        self.obstacles.is_some() || self.form.cone.is_none_or(|cone| cone.is_infinite() || lies_in_cone(light, lit, cone))
+        self.obstacles.is_some()
+            || self.form.cone.is_none_or(|cone| cone.is_infinite() || lies_in_cone(light, lit, cone))
     }
 
     /// Step number `step`, from 1, of light of a colour into a dark grid; returns where it has gone.

@@ -180,6 +180,10 @@ impl<T: Real> Transport<T> for Staged<T> {
         self.descent.bytes()
     }
 
+    fn shared_bytes(&self) -> usize {
+        self.descent.shared_bytes()
+    }
+
     fn boxed_clone(&self) -> Box<dyn Transport<T>> {
         Box::new(self.clone())
     }

@@ -7,6 +7,8 @@
 //!
 //! Ahead, each sums up at once what stays in a cell ([`Way::Ahead`]): of what was handed to it, and of every step.
 
+use std::sync::Arc;
+
 use super::exact::decay::Decay;
 use super::exact::filter;
 use super::exact::leaves::{Leaves, Way};
@@ -26,7 +28,7 @@ pub(super) struct Coarse<T> {
     colours: Vec<Vec<Leaves<T>>>,
     /// The same for iterations before occluders stop light, if there are such.
     earlier: Vec<Vec<Leaves<T>>>,
-    obstacles: Option<Obstacles<T>>,
+    obstacles: Option<Arc<Obstacles<T>>>,
     /// Whether the coarser levels hold means of injected light, which has not moved yet.
     at_rest: bool,
 }
@@ -39,7 +41,7 @@ impl<T: Real> Coarse<T> {
         way: Way,
         sizes: Levels,
         colours: usize,
-        obstacles: Option<Obstacles<T>>,
+        obstacles: Option<Arc<Obstacles<T>>>,
     ) -> Self {
         let level = |i: usize, colour: usize, block: bool| match &obstacles {
             None => Leaves::uniform(share, way, i, sizes.side(i), &Open(None)),
@@ -48,7 +50,7 @@ impl<T: Real> Coarse<T> {
         let levels = |colour, block| (1..sizes.count()).map(|i| level(i, colour, block)).collect();
         let sorts = obstacles.as_ref().map_or(1, |obstacles| obstacles.sorts(colours));
         let all = |block| (0..sorts).map(|colour| levels(colour, block)).collect();
-        let come_late = obstacles.as_ref().is_some_and(Obstacles::come_late);
+        let come_late = obstacles.as_deref().is_some_and(Obstacles::come_late);
         let earlier = if come_late { all(false) } else { Vec::new() };
         Coarse { decay: Decay::of(share), colours: all(true), earlier, obstacles, at_rest: true }
     }
@@ -103,7 +105,11 @@ impl<T: Real> Coarse<T> {
 
     /// Bytes of memory it holds.
     pub(super) fn bytes(&self) -> usize {
-        let levels = self.colours.iter().chain(&self.earlier).flatten();
-        levels.map(Leaves::bytes).sum::<usize>() + self.obstacles.as_ref().map_or(0, Obstacles::bytes)
+        self.colours.iter().chain(&self.earlier).flatten().map(Leaves::bytes).sum()
+    }
+
+    /// Bytes of memory that what stands in light's way takes, which copies share.
+    pub(super) fn shared_bytes(&self) -> usize {
+        self.obstacles.as_deref().map_or(0, Obstacles::bytes)
     }
 }

@@ -55,7 +55,7 @@ pub(crate) mod leaves;
 mod meeting;
 pub(crate) mod sampling;
 mod step;
-mod touched;
+pub(super) mod touched;
 pub(crate) mod walls;
 mod within;
 

@@ -1,10 +1,11 @@
 //! What stands in the way of linear steps: a problem's occluders, as exact levels and descents take them.
 
 use super::exact::blockers::Blockers;
+use super::exact::touched;
 use super::exact::walls::{Open, Solid, Walls};
 use super::kernel::occluded::{OcclusionLaw, Touched, Which};
 use super::kernel::with_solids::WithSolids;
-use super::occlusion::Acting;
+use super::occlusion::{self, Acting, Acts};
 use super::scheme::{Scheme, Surface};
 use super::schemes;
 use super::stencil::{Stencil, matrices};
@@ -106,8 +107,30 @@ impl<T: Real> Obstacles<T> {
 
     /// Bytes of memory that they hold.
     pub fn bytes(&self) -> usize {
-        self.law.bytes() + self.touched.bytes() + self.blockers.iter().chain(&self.earlier).map(Blockers::bytes).sum::<usize>()
+        self.law.bytes()
+            + self.touched.bytes()
+            + self.blockers.iter().chain(&self.earlier).map(Blockers::bytes).sum::<usize>()
     }
+}
+
+/// Bytes that the occluders of a problem will take, and the leaves that they touch, on levels of these sizes, for so many
+/// colours in numbers of so many bytes.
+pub fn bytes(problem: &Problem, sizes: Levels, colours: usize, number: usize) -> u64 {
+    let Some(scheme) = schemes::find(&problem.propagation.scheme).filter(|_| problem.has_occluders()) else { return 0 };
+    let law = occlusion::bytes(problem, &scheme, sizes, number);
+    let acts = Acts::of(problem, &scheme);
+    if acts == Acts::Hard {
+        return law;
+    }
+    let turns = acts == Acts::Mirrored || problem.occlusion.bounce != 0.0;
+    let late = turns && problem.occlusion.from_iteration > LINEAR_FROM;
+    let of_level = |level: usize| {
+        let touched = acts.touched(problem, sizes, level) as usize;
+        let blockers = Blockers::bytes_of(level, touched) * if late { 2 } else { 1 };
+        blockers + touched * size_of::<touched::Touched<f32>>() * number / size_of::<f32>()
+    };
+    let all: usize = (0..sizes.count()).map(of_level).sum();
+    law + (all * if turns { colours } else { 1 }) as u64
 }
 
 /// What acts otherwise than hard occluders do, by colour.

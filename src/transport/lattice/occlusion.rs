@@ -100,17 +100,10 @@ pub(super) fn bytes(problem: &Problem, scheme: &Scheme, sizes: Levels, number: u
     if !problem.has_occluders() {
         return 0;
     }
-    let acts = match (problem.occlusion.mode, scheme.surface) {
-        (OcclusionMode::Hard, _) => Acts::Hard,
-        (_, Surface::Mirrored) => Acts::Mirrored,
-        _ => Acts::Fuzzy,
-    };
+    let acts = Acts::of(problem, scheme);
     let scale = number as u64 / size_of::<f32>() as u64;
     let geometry = 3 * scale * sizes.sides().map(memory::of_grid::<f32>).sum::<u64>();
-    let shrunk = (sizes.finest() as f64 / problem.size as f64).powi(2);
-    let touched: f64 = (0..sizes.count().min(problem.size.ilog2() as usize + 1))
-        .map(|level| touched_cells(problem, acts, level) as f64 * shrunk)
-        .sum();
+    let touched: f64 = (0..sizes.count()).map(|level| acts.touched(problem, sizes, level)).sum();
     let passages = if acts == Acts::Hard { sizes.cells() as u64 * 3 * number as u64 } else { 0 };
     let around = if acts == Acts::Fuzzy { scale as usize * Touched::<f32>::AROUND } else { 0 };
     let of_each = Touched::<f32>::CELL + around;
@@ -119,10 +112,30 @@ pub(super) fn bytes(problem: &Problem, scheme: &Scheme, sizes: Levels, number: u
 
 /// How occluders act, as far as it matters to memory.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Acts {
+pub(super) enum Acts {
     Hard,
     Mirrored,
     Fuzzy,
+}
+
+impl Acts {
+    /// How those of a problem do under a scheme.
+    pub(super) fn of(problem: &Problem, scheme: &Scheme) -> Self {
+        match (problem.occlusion.mode, scheme.surface) {
+            (OcclusionMode::Hard, _) => Acts::Hard,
+            (_, Surface::Mirrored) => Acts::Mirrored,
+            _ => Acts::Fuzzy,
+        }
+    }
+
+    /// How many cells of a level they touch, about.
+    pub(super) fn touched(self, problem: &Problem, sizes: Levels, level: usize) -> f64 {
+        if level > problem.size.ilog2() as usize {
+            return 0.0;
+        }
+        let shrunk = (sizes.finest() as f64 / problem.size as f64).powi(2);
+        touched_cells(problem, self, level) as f64 * shrunk
+    }
 }
 
 /// How many cells of a level are occupied, have an occupied cell at one of their corners, or beside them.

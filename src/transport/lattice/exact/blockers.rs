@@ -33,54 +33,69 @@ pub type Ways = [DMat4; 6];
 pub struct Blockers {
     /// M_d: the share of cells that nothing touches.
     free: Ways,
-    /// The touched cells of every level, in the order of memory.
-    levels: Vec<Vec<(Cell, Means)>>,
+    levels: Vec<Level>,
+}
+
+/// The touched cells of a level, in the order of memory.
+#[derive(Clone, Debug, Default)]
+struct Level {
+    cells: Vec<Cell>,
+    entering: Vec<Ways>,
+    /// Nothing crosses inside of finest cells: there are none at level 0.
+    inside: Vec<Ways>,
 }
 
 /// The mean matrices of a cell.
-#[derive(Clone, Debug)]
-pub(super) struct Means {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Means<'a> {
     /// Of what goes from one finest cell in it to another.
-    pub(super) inside: Ways,
+    pub(super) inside: &'a Ways,
     /// Of what enters it.
-    pub(super) entering: Ways,
+    pub(super) entering: &'a Ways,
 }
 
 impl Blockers {
-    /// From what the `touched` finest cells receive of each direction; all others receive what `free` says.
+    /// From what the `touched` finest cells, in the order of memory, receive of each direction; all others receive what
+    /// `free` says.
     pub fn new(sizes: Levels, free: Ways, touched: impl IntoIterator<Item = (Cell, Ways)>) -> Self {
-        let means = |(cell, entering)| (cell, Means { inside: free, entering });
-        let mut finest: Vec<(Cell, Means)> = touched.into_iter().map(means).collect();
-        finest.sort_by_key(|(cell, _)| order(*cell));
-        let mut levels = vec![finest];
+        let (cells, entering) = touched.into_iter().unzip();
+        let mut levels = vec![Level { cells, entering, inside: Vec::new() }];
         for i in 1..sizes.count() {
-            levels.push(parents(&levels[i - 1], &free, f64::from(1u32 << (i - 1))));
+            levels.push(levels[i - 1].parents(&free, f64::from(1u32 << (i - 1))));
         }
         Blockers { free, levels }
     }
 
     /// The touched cells of a level, in the order of memory.
-    pub(super) fn touched(&self, level: usize) -> impl Iterator<Item = Cell> + '_ {
-        self.levels[level].iter().map(|(cell, _)| *cell)
+    pub(super) fn touched(&self, level: usize) -> &[Cell] {
+        &self.levels[level].cells
     }
 
     /// The means of a cell of a level, if anything touches it.
-    pub(super) fn means(&self, level: usize, cell: Cell) -> Option<&Means> {
+    pub(super) fn means(&self, level: usize, cell: Cell) -> Option<Means<'_>> {
         let touched = &self.levels[level];
-        let at = touched.binary_search_by_key(&order(cell), |(cell, _)| order(*cell)).ok()?;
-        Some(&touched[at].1)
+        let at = touched.cells.binary_search_by_key(&order(cell), |cell| order(*cell)).ok()?;
+        Some(Means { inside: touched.inside.get(at).unwrap_or(&self.free), entering: &touched.entering[at] })
     }
 
     /// The largest that all finest cells' matrices, put together, multiply a coefficient by.
     pub fn norm(&self) -> f64 {
         let of = |ways: &Ways| ways.iter().map(norm).sum::<f64>();
-        let touched = self.levels.iter().flatten().flat_map(|(_, means)| [&means.inside, &means.entering]);
+        let touched = self.levels.iter().flat_map(|level| level.inside.iter().chain(&level.entering));
         touched.chain([&self.free]).map(of).fold(0.0, f64::max)
     }
 
     /// Bytes of memory that they hold.
     pub fn bytes(&self) -> usize {
-        self.levels.iter().map(|level| level.capacity() * size_of::<(Cell, Means)>()).sum()
+        let of = |level: &Level| {
+            size_of_val(level.cells.as_slice()) + size_of_val(&level.entering[..]) + size_of_val(&level.inside[..])
+        };
+        self.levels.iter().map(of).sum()
+    }
+
+    /// Bytes that so many touched cells of a level take.
+    pub fn bytes_of(level: usize, cells: usize) -> usize {
+        cells * (size_of::<Cell>() + size_of::<Ways>() * if level == 0 { 1 } else { 2 })
     }
 }
 
@@ -94,23 +109,32 @@ fn order([x, y, z]: Cell) -> Cell {
     [z, y, x]
 }
 
-/// The cells that hold any of the `touched`, which are `h` finest cells wide.
-fn parents(touched: &[(Cell, Means)], free: &Ways, h: f64) -> Vec<(Cell, Means)> {
-    let mut parents: BTreeMap<Cell, Means> = BTreeMap::new();
-    // In units of h²: 8·(h − 1) faces inside the children and 4 between them; 4 by which light enters.
-    let (inside, entering) = (1.0 / (8.0 * h - 4.0), 0.25);
-    for (cell, child) in touched {
-        let none = || Means { inside: *free, entering: *free };
-        let parent = parents.entry(order(cell.map(|c| c / 2))).or_insert_with(none);
-        for (d, direction) in Direction::ALL.into_iter().enumerate() {
-            parent.inside[d] += (child.inside[d] - free[d]) * ((h - 1.0) * inside);
-            let is_lower = cell[direction.axis()] % 2 == 0;
-            if is_lower == direction.is_positive() {
-                parent.entering[d] += (child.entering[d] - free[d]) * entering;
-            } else {
-                parent.inside[d] += (child.entering[d] - free[d]) * inside;
+impl Level {
+    /// The cells that hold any of these, which are `h` finest cells wide.
+    fn parents(&self, free: &Ways, h: f64) -> Self {
+        let mut parents: BTreeMap<Cell, [Ways; 2]> = BTreeMap::new();
+        // In units of h²: 8·(h − 1) faces inside the children and 4 between them; 4 by which light enters.
+        let (of_inside, of_entering) = (1.0 / (8.0 * h - 4.0), 0.25);
+        for (i, cell) in self.cells.iter().enumerate() {
+            let (child_inside, child_entering) = (self.inside.get(i).unwrap_or(free), &self.entering[i]);
+            let [inside, entering] = parents.entry(order(cell.map(|c| c / 2))).or_insert([*free, *free]);
+            for (d, direction) in Direction::ALL.into_iter().enumerate() {
+                inside[d] += (child_inside[d] - free[d]) * ((h - 1.0) * of_inside);
+                let is_lower = cell[direction.axis()] % 2 == 0;
+                let change = child_entering[d] - free[d];
+                if is_lower == direction.is_positive() {
+                    entering[d] += change * of_entering;
+                } else {
+                    inside[d] += change * of_inside;
+                }
             }
         }
+        let mut level = Level::default();
+        for (at, [inside, entering]) in parents {
+            level.cells.push(order(at));
+            level.inside.push(inside);
+            level.entering.push(entering);
+        }
+        level
     }
-    parents.into_iter().map(|(at, means)| (order(at), means)).collect()
 }

@@ -205,7 +205,7 @@ impl<T: Real> Tier<T> {
         let layout = Layout::new(here.side());
         let faces = |cell| Direction::ALL.map(|d| Face::of(marks, i, cell, d));
         let is_touched: Vec<Cell> = match walls.blockers() {
-            Some(blockers) => blockers.touched(level).filter(|cell| here.get(*cell)).collect(),
+            Some(blockers) => blockers.touched(level).iter().copied().filter(|cell| here.get(*cell)).collect(),
             None => Vec::new(),
         };
         for cell in &is_touched {

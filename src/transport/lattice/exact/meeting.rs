@@ -1,7 +1,10 @@
 //! What leaves at seams meet: what lies beyond their six faces, and what crosses those.
 //!
 //! Seams are many, and there are few sorts of them: what crosses a face depends on the sizes of the two leaves alone,
-//! where no wall stands. So all seams between the same sorts of neighbours share one [`Meeting`].
+//! where no wall stands, and on what the walls on both sides of it pass. So all seams between the same sorts of neighbours
+//! and walls share one [`Meeting`].
+
+use std::collections::HashMap;
 
 use super::crossing::{Crossing, Pass};
 use super::decay::Decay;
@@ -103,6 +106,25 @@ pub(super) struct Meetings<'a, T> {
     pub(super) met: Vec<Meeting<T>>,
     /// Which of them has no wall and lies between such neighbours: two bits for each face.
     known: Vec<u32>,
+    /// Which of them lies between such neighbours and walls.
+    walled: HashMap<(usize, [[u64; 3]; 6]), u32>,
+}
+
+/// What walls do at a face.
+#[derive(Clone, Copy, Debug, Default)]
+struct Walled {
+    /// The share of light that passes the cell, on its way in.
+    enters: f64,
+    /// The share that passes the cells beyond.
+    leaves: f64,
+    /// What of the light that would go there is mirrored.
+    mirrored: f64,
+}
+
+impl Walled {
+    fn bits(self) -> [u64; 3] {
+        [self.enters, self.leaves, self.mirrored].map(f64::to_bits)
+    }
 }
 
 /// What no meeting is called.
@@ -111,17 +133,24 @@ const UNKNOWN: u32 = u32::MAX;
 impl<'a, T: Real> Meetings<'a, T> {
     pub(super) fn new(share: &'a Share<f64>, decay: &'a Decay, level: usize, walls: &'a dyn Walls) -> Self {
         let open = Faces::new(decay, level);
-        Meetings { share, decay, level, walls, open, met: Vec::new(), known: vec![UNKNOWN; 1 << 12] }
+        let (met, known, walled) = (Vec::new(), vec![UNKNOWN; 1 << 12], HashMap::new());
+        Meetings { share, decay, level, walls, open, met, known, walled }
     }
 
     /// What a cell meets, on a level of `n` cells along a side.
     pub(super) fn of(&mut self, cell: Cell, faces: &[Face; 6], n: usize) -> u32 {
         let new = self.met.len() as u32;
+        let sorts = faces.iter().fold(0, |sorts, face| sorts << 2 | face.beyond as usize);
         if self.walls.any() && is_walled(self.walls, self.level, cell, n) {
-            self.met.push(self.meeting(faces, |face, d| self.behind(cell, face, d)));
+            let walled = Direction::ALL.map(|d| self.walled(cell, &faces[d.index()], d));
+            let key = (sorts, walled.map(Walled::bits));
+            if let Some(known) = self.walled.get(&key) {
+                return *known;
+            }
+            self.walled.insert(key, new);
+            self.met.push(self.meeting(faces, |face, d| self.behind(face, walled[d.index()])));
             return new;
         }
-        let sorts = faces.iter().fold(0, |sorts, face| sorts << 2 | face.beyond as usize);
         if self.known[sorts] == UNKNOWN {
             self.known[sorts] = new;
             self.met.push(self.meeting(faces, |face, _| (self.open.crossing(face.beyond), 0.0)));
@@ -159,23 +188,33 @@ impl<'a, T: Real> Meetings<'a, T> {
         }
     }
 
-    /// What crosses a face of a cell with walls in it or beside it, and what is mirrored.
-    fn behind(&self, cell: Cell, face: &Face, d: Direction) -> (Crossing, f64) {
-        let Meetings { decay, level, walls, .. } = *self;
+    /// What walls do at a face of a cell that has some in it or beside it.
+    fn walled(&self, cell: Cell, face: &Face, d: Direction) -> Walled {
+        let Meetings { level, walls, .. } = *self;
         if face.beyond == Beyond::Dark {
-            return (self.open.outside, 0.0);
+            return Walled::default();
         }
         let other = face.beyond.level(level);
         let mean = |of: &dyn Fn(Cell) -> f64| face.touching(d.axis()).map(of).sum::<f64>() / face.beyond.count() as f64;
         let enters = walls.passes(level, cell, d.axis());
         let leaves = mean(&|cell| walls.passes(other, cell, d.axis()));
         let mirrored = if leaves < 1.0 {
-            let mirrored = mean(&|cell| (1.0 - walls.passes(other, cell, d.axis())) * walls.mirrors(other, cell));
-            enters * mirrored * decay.border(width(level)) / width(level)
+            mean(&|cell| (1.0 - walls.passes(other, cell, d.axis())) * walls.mirrors(other, cell))
         } else {
             0.0
         };
-        (Crossing::behind(decay, width(level), width(other), [enters, leaves]), mirrored)
+        Walled { enters, leaves, mirrored }
+    }
+
+    /// What crosses such a face, and what is mirrored.
+    fn behind(&self, face: &Face, Walled { enters, leaves, mirrored }: Walled) -> (Crossing, f64) {
+        let Meetings { decay, level, .. } = *self;
+        if face.beyond == Beyond::Dark {
+            return (self.open.outside, 0.0);
+        }
+        let (here, there) = (width(level), width(face.beyond.level(level)));
+        let mirrored = enters * mirrored * decay.border(here) / here;
+        (Crossing::behind(decay, here, there, [enters, leaves]), mirrored)
     }
 }
 

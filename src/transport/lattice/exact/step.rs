@@ -317,12 +317,7 @@ fn seams_ahead<T: Real>(of: &[Seam], meetings: &[Meeting<T>], around: &Around<'_
     seams(of, meetings, around, begin, to, |meeting, received, _| meeting.within.solve(received));
 }
 
-fn touched_leaves<T: Real>(
-    leaves: &[Touched<T>],
-    around: &Around<'_, T>,
-    begin: usize,
-    [c, x, y, z]: [&mut [T]; 4],
-) {
+fn touched_leaves<T: Real>(leaves: &[Touched<T>], around: &Around<'_, T>, begin: usize, [c, x, y, z]: [&mut [T]; 4]) {
     for leaf in leaves {
         let to = leaf.at as usize - begin;
         [c[to], x[to], y[to], z[to]] = settle(around.touched(leaf)).0;

@@ -18,7 +18,7 @@ pub(super) const LONGEST: f64 = 4.0;
 
 /// A leaf that fuzzy occluders touch. Places are those in the planes of a level.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Touched<T> {
+pub struct Touched<T> {
     pub(super) at: u32,
     /// What lies beyond each face, in the order of [`Direction::ALL`].
     pub(super) beyond: [Beyond; 6],
@@ -34,7 +34,7 @@ pub(super) struct Touched<T> {
 
 /// A 4×4 matrix by columns.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Matrix<T>([Sh<T>; 4]);
+pub struct Matrix<T>([Sh<T>; 4]);
 
 impl<T: Real> Matrix<T> {
     fn new(matrix: DMat4) -> Self {

@@ -91,7 +91,8 @@ impl<T: Real> Fuzzy<T> {
         around: &[Around<T>; 6],
     ) -> Sh<T> {
         let each = Direction::ALL.into_iter().zip(around);
-        each.map(|(direction, around)| self.admit(stencil, which, direction, around, sender(source, cell, direction))).sum()
+        each.map(|(direction, around)| self.admit(stencil, which, direction, around, sender(source, cell, direction)))
+            .sum()
     }
 
     /// What a cell receives of the `light` of the neighbour that sends it in a direction.
