@@ -18,6 +18,7 @@ use crate::transport::kind::{Setup, Transport};
 use crate::transport::options::{Stage, Work};
 use crate::transport::refusal::Refusal;
 use crate::transport::state::{Light, State};
+use crate::transport::team;
 
 /// A descent on its way.
 #[derive(Clone, Debug)]
@@ -77,6 +78,40 @@ impl<T: Real> Staged<T> {
     fn enters(&self) -> bool {
         !self.descent.is_under_way() || (self.done >= self.each && self.descent.level() > 0)
     }
+
+    fn step_inside(&mut self, state: &mut State<T>) -> Work {
+        team::stay_awake();
+        let enters = self.enters();
+        if !self.descent.is_under_way() {
+            let lights = state.lights.iter_mut();
+            let mut injected: Vec<Injected<'_, T>> = lights
+                .map(|Light { source, target, .. }| Injected { light: source.level_mut(0), room: target.level_mut(0) })
+                .collect();
+            self.descent.take_up(&mut injected);
+            self.descent.starts_clean();
+        } else if enters {
+            self.descent.descend();
+        }
+        for (channel, light) in state.lights.iter_mut().enumerate() {
+            let Light { source, target, accumulated, .. } = light;
+            let mut grids = Grids { source, target, accumulated };
+            if enters {
+                self.descent.enter(channel, &mut grids);
+            } else {
+                self.descent.iterate(channel, &mut grids);
+            }
+        }
+        self.done = if enters { 1 } else { self.done + 1 };
+        state.iteration += 1;
+        let Some(leaves) = self.descent.leaves() else { return Work::default() };
+        if enters {
+            for i in leaves.levels() {
+                state.index.level_mut(i).clone_from(leaves.marks(i));
+            }
+        }
+        let channels = state.lights.len();
+        Work { visited: leaves.count() * channels, dark: 0, volume: state.sizes().cells() * channels }
+    }
 }
 
 impl<T: Real> Transport<T> for Staged<T> {
@@ -129,36 +164,7 @@ impl<T: Real> Transport<T> for Staged<T> {
     }
 
     fn step(&mut self, state: &mut State<T>) -> Work {
-        let enters = self.enters();
-        if !self.descent.is_under_way() {
-            let lights = state.lights.iter_mut();
-            let mut injected: Vec<Injected<'_, T>> = lights
-                .map(|Light { source, target, .. }| Injected { light: source.level_mut(0), room: target.level_mut(0) })
-                .collect();
-            self.descent.take_up(&mut injected);
-            self.descent.starts_clean();
-        } else if enters {
-            self.descent.descend();
-        }
-        for (channel, light) in state.lights.iter_mut().enumerate() {
-            let Light { source, target, accumulated, .. } = light;
-            let mut grids = Grids { source, target, accumulated };
-            if enters {
-                self.descent.enter(channel, &mut grids);
-            } else {
-                self.descent.iterate(channel, &mut grids);
-            }
-        }
-        self.done = if enters { 1 } else { self.done + 1 };
-        state.iteration += 1;
-        let Some(leaves) = self.descent.leaves() else { return Work::default() };
-        if enters {
-            for i in leaves.levels() {
-                state.index.level_mut(i).clone_from(leaves.marks(i));
-            }
-        }
-        let channels = state.lights.len();
-        Work { visited: leaves.count() * channels, dark: 0, volume: state.sizes().cells() * channels }
+        team::inside(|| self.step_inside(state))
     }
 
     fn stage(&self) -> Option<Stage> {
@@ -170,7 +176,7 @@ impl<T: Real> Transport<T> for Staged<T> {
         let accumulated = &state.lights[channel].accumulated;
         if self.descent.is_under_way() {
             let inside = self.problem.propagation.inside;
-            self.descent.sample(channel, inside, accumulated, merged);
+            team::inside(|| self.descent.sample(channel, inside, accumulated, merged));
         } else {
             state.index.merge(accumulated, merged);
         }
