@@ -288,9 +288,14 @@ impl<T: Real> Descent<T> {
         };
         let j = self.level();
         // B: what was accumulated, less what of S a leaf holds.
+        let mut holds = Marks::new(self.sizes.side(j));
+        found.held(j, j).iter().for_each(|(cell, _)| holds.set(*cell));
         let light = |i: usize, cell: Cell| {
             let order = |[x, y, z]: Cell| [z, y, x];
             let (held, accumulated) = (found.held(j, i), accumulated.level(i).get(cell));
+            if i == j && !holds.get(cell) {
+                return accumulated;
+            }
             match held.binary_search_by_key(&order(cell), |(cell, _)| order(*cell)) {
                 Ok(at) => accumulated - held[at].1,
                 Err(_) => accumulated,

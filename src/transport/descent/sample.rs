@@ -81,13 +81,21 @@ pub(super) fn split<T: Real>(
 pub(super) fn merge<T: Real>(leaves: &Leaves<T>, inside: Inside, light: &impl Light<T>, merged: &mut Grid<T>) {
     let ends = ends(merged.side());
     team::share(merged.cut(&ends), |mut merged: Slabs<'_, T>| {
+        let mut room = Room::default();
         for i in leaves.levels().skip(1) {
             let slabs = merged.range().start >> i..((merged.range().end - 1) >> i) + 1;
             for cell in leaves.marks(i).cells_of(slabs) {
-                fill(leaves, inside, light, (i, cell), &mut merged);
+                fill(leaves, inside, light, (i, cell), &mut room, &mut merged);
             }
         }
     });
+}
+
+/// Room for what the planes of a leaf take of its mean, along each axis, and along x once more.
+#[derive(Default)]
+struct Room<T> {
+    planes: [Vec<f64>; 3],
+    along_x: Vec<T>,
 }
 
 /// Stores the light of a leaf of level `i` in those of its finest cells that lie in some slabs.
@@ -96,6 +104,7 @@ fn fill<T: Real>(
     inside: Inside,
     light: &impl Light<T>,
     (i, cell): (usize, Cell),
+    Room { planes, along_x }: &mut Room<T>,
     merged: &mut Slabs<'_, T>,
 ) {
     let width = 1usize << i;
@@ -107,8 +116,10 @@ fn fill<T: Real>(
             neighbours(leaves, light, (i, cell)).map(|sides| sampling::slope(width as f64, mean, sides))
         }
     };
-    let [x, y, z] = slopes.map(|s| sampling::planes(s, width));
-    let along_x: Vec<T> = x.into_iter().map(T::of).collect();
+    planes.iter_mut().zip(slopes).for_each(|(planes, s)| sampling::planes(s, width, planes));
+    let [x, y, z] = planes;
+    along_x.clear();
+    along_x.extend(x.iter().map(|c| T::of(*c)));
     let [from_x, from_y, from_z] = cell.map(|c| c * width);
     let slabs = merged.range();
     for (dz, z) in z.iter().enumerate().filter(|(dz, _)| slabs.contains(&(from_z + dz))) {
@@ -116,7 +127,7 @@ fn fill<T: Real>(
             let row = value * T::of(y * z);
             let planes = merged.row_mut(from_x..from_x + width, from_y + dy, from_z + dz);
             for (plane, c) in planes.into_iter().zip(row.0) {
-                plane.iter_mut().zip(&along_x).for_each(|(to, x)| *to = c * *x);
+                plane.iter_mut().zip(&*along_x).for_each(|(to, x)| *to = c * *x);
             }
         }
     }

@@ -141,7 +141,9 @@ impl<T: Real> Radial<T> {
             };
             let slope =
                 if self.inside { sampling::slope(width as f64, mean(cell), [beside(-1), beside(1)]) } else { 0.0 };
-            sampling::planes(slope, width)
+            let mut planes = Vec::new();
+            sampling::planes(slope, width, &mut planes);
+            planes
         })
     }
 

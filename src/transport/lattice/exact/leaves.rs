@@ -29,13 +29,15 @@ use std::ops::Range;
 
 use super::crossing::{Crossing, Pass};
 use super::decay::Decay;
-use super::meeting::{Face, Meeting, Meetings, is_walled};
+use super::meeting::{Face, Faces, Meeting, Meetings, is_walled};
 use super::touched::{Around, Touched};
 use super::walls::{Open, Walls};
 use crate::field::{Cell, Layout, Marks, row_mask};
 use crate::sh::Real;
 use crate::transport::lattice::face::Direction;
 use crate::transport::lattice::kernel::form::Share;
+use crate::transport::lattice::kernel::step::pieces;
+use crate::transport::team;
 
 /// How the fixed point a = q + P·a is iterated. Both ways lead to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -193,8 +195,7 @@ impl<T: Real> Tier<T> {
         walls: &dyn Walls,
     ) -> Self {
         let here = &marks[i];
-        let mut meetings = Meetings::new(share, decay, level, walls);
-        let inner = Inner::new(share, way, meetings.open.to[1]);
+        let inner = Inner::new(share, way, Faces::new(decay, level).to[1]);
         let [mut enclosed, mut others] = split(here, level == 0);
         if walls.any() {
             for cell in here.cells().filter(|cell| is_walled(walls, level, *cell, here.side())) {
@@ -221,15 +222,32 @@ impl<T: Real> Tier<T> {
             is_touched.iter().filter_map(leaf).collect::<Vec<_>>()
         });
         let touched = touched.collect();
-        let seam = |cell| {
-            let sides = faces(cell);
-            let meeting = meetings.of(cell, &sides, here.side());
-            Seam { at: layout.index(cell) as u32, meeting, sides: sides.map(|side| side.place) }
+        // Threads build seams slab by slab, and what two of them meet alike is kept twice.
+        let seams_of = |slabs: Range<usize>| {
+            let mut meetings = Meetings::new(share, decay, level, walls);
+            let seam = |cell| {
+                let faces = faces(cell);
+                let meeting = meetings.of(cell, &faces, here.side());
+                Seam { at: layout.index(cell) as u32, meeting, sides: faces.map(|face| face.place) }
+            };
+            let seams: Vec<Seam> = others.cells_of(slabs).map(seam).collect();
+            (seams, meetings.met)
         };
-        let seams = others.cells().map(seam).collect();
-        let (count, all, runs, meetings) = (here.count(), runs(here), runs(&enclosed), meetings.met);
+        let (mut seams, mut meetings) = (Vec::with_capacity(others.count()), Vec::new());
+        for (built, met) in team::share(slabs(here.side(), SEAM * others.count()), seams_of) {
+            let first = meetings.len() as u32;
+            seams.extend(built.into_iter().map(|seam| Seam { meeting: first + seam.meeting, ..seam }));
+            meetings.extend(met);
+        }
+        let (count, all, runs) = (here.count(), runs(here), runs(&enclosed));
         Tier { marks: here.clone(), count, all, inner, runs, seams, touched, meetings, work }
     }
+}
+
+/// The `n` slabs of a level in runs that threads share, if there is as much to do as in so many inner leaves.
+fn slabs(n: usize, work: usize) -> Vec<Range<usize>> {
+    let pieces = pieces(rayon::current_num_threads(), work).min(n);
+    (0..pieces).map(|k| k * n / pieces..(k + 1) * n / pieces).collect()
 }
 
 /// How much there is to do up to the end of every slab.

@@ -102,7 +102,7 @@ pub(super) struct Meetings<'a, T> {
     decay: &'a Decay,
     level: usize,
     walls: &'a dyn Walls,
-    pub(super) open: Faces,
+    open: Faces,
     pub(super) met: Vec<Meeting<T>>,
     /// Which of them has no wall and lies between such neighbours: two bits for each face.
     known: Vec<u32>,
@@ -227,7 +227,7 @@ pub(super) struct Faces {
 }
 
 impl Faces {
-    fn new(decay: &Decay, level: usize) -> Self {
+    pub(super) fn new(decay: &Decay, level: usize) -> Self {
         let h = width(level);
         // Level 0 has no finer one.
         let finer = if level == 0 { Crossing::default() } else { Crossing::between(decay, h, 0.5 * h) };

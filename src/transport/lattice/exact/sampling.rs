@@ -94,17 +94,17 @@ fn shares(rise: f64) -> [f64; 2] {
     [low, 2.0 - low]
 }
 
-/// What the mean of a cell of `width` finest cells is multiplied with at its planes, along one axis.
-pub fn planes(s: f64, width: usize) -> Vec<f64> {
+/// Sets `planes` to what the mean of a cell of `width` finest cells is multiplied with at its planes, along one axis.
+pub fn planes(s: f64, width: usize, planes: &mut Vec<f64>) {
     // From the bright end on, so that a slope and its opposite give the same numbers.
     let fall = (-s.abs()).exp();
-    let mut planes: Vec<f64> = std::iter::successors(Some(1.0), |c| Some(c * fall)).take(width).collect();
+    planes.clear();
+    planes.extend(std::iter::successors(Some(1.0), |c| Some(c * fall)).take(width));
     let mean = planes.iter().sum::<f64>() / width as f64;
     planes.iter_mut().for_each(|c| *c /= mean);
     if s > 0.0 {
         planes.reverse();
     }
-    planes
 }
 
 /// The eight children of a cell with what they take of its mean, from what [`halves`] gives for each axis.
@@ -123,7 +123,8 @@ mod tests {
     fn planes_and_halves_keep_the_mean_whatever_the_slope() {
         for width in [2usize, 4, 32, 512] {
             for s in [0.0, 1e-7, -0.3, 1.1, STEEPEST, -STEEPEST] {
-                let planes = planes(s, width);
+                let mut planes = Vec::new();
+                super::planes(s, width, &mut planes);
                 let mean = planes.iter().sum::<f64>() / width as f64;
                 assert!((mean - 1.0).abs() < 1e-9, "s = {s}, h = {width}: {mean}");
                 let [low, high] = halves(s, width as f64);

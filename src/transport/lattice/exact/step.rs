@@ -64,23 +64,18 @@ impl<T: Real> Leaves<T> {
             None => ends.iter().map(|_| None).collect(),
         };
         let parts = target.cut(&ends).into_iter().zip(sums);
-        team::share(parts.collect(), |(mut target, sum): (Slabs<'_, T>, Option<Slabs<'_, T>>)| {
+        team::share(parts.collect(), |(mut target, mut sum): (Slabs<'_, T>, Option<Slabs<'_, T>>)| {
             let range = target.places();
-            let begin = target.begin();
-            inner_runs(&tier.inner, among(&tier.runs, |run| run.at, &range), &around, begin, target.planes_mut());
+            let mut to =
+                To { begin: target.begin(), light: target.planes_mut(), sum: sum.as_mut().map(|sum| sum.planes_mut()) };
+            inner_runs(&tier.inner, among(&tier.runs, |run| run.at, &range), &around, &mut to);
             let seams = among(&tier.seams, |seam| seam.at as usize, &range);
             match self.way() {
-                Way::InStep => seams_in_step(seams, &tier.meetings, &around, begin, target.planes_mut()),
-                Way::Ahead => seams_ahead(seams, &tier.meetings, &around, begin, target.planes_mut()),
+                Way::InStep => seams_in_step(seams, &tier.meetings, &around, &mut to),
+                Way::Ahead => seams_ahead(seams, &tier.meetings, &around, &mut to),
             }
             let touched = among(&tier.touched, |touched| touched.at as usize, &range);
-            touched_leaves(touched, &around, begin, target.planes_mut());
-            if let Some(mut sum) = sum {
-                let all = among(&tier.all, |run| run.at, &range);
-                for (from, to) in target.planes_mut().into_iter().zip(sum.planes_mut()) {
-                    pairs(all, begin, from, to, |from, to| *to += *from);
-                }
-            }
+            touched.iter().for_each(|leaf| to.put(leaf.at as usize, around.touched(leaf)));
         });
     }
 
@@ -282,75 +277,85 @@ fn at_place<T: Real>(planes: [&[T]; 4], at: usize) -> Sh<T> {
     Sh([c[at], x[at], y[at], z[at]])
 }
 
+/// Where the light of leaves goes: parts of the planes of a level that begin at `begin`.
+struct To<'a, T> {
+    begin: usize,
+    light: [&'a mut [T]; 4],
+    /// What the new light is added to, if anything.
+    sum: Option<[&'a mut [T]; 4]>,
+}
+
+impl<T: Real> To<'_, T> {
+    /// Stores the light of a leaf.
+    #[inline(always)]
+    fn put(&mut self, at: usize, light: Sh<T>) {
+        let (light, at) = (settle(light).0, at - self.begin);
+        self.light.iter_mut().zip(light).for_each(|(plane, c)| plane[at] = c);
+        if let Some(sum) = &mut self.sum {
+            sum.iter_mut().zip(light).for_each(|(plane, c)| plane[at] += c);
+        }
+    }
+
+    /// Adds what was stored in a run to the sum.
+    #[inline(always)]
+    fn add_up(&mut self, Run { at, length }: Run) {
+        let range = at - self.begin..at - self.begin + length;
+        for (light, sum) in self.light.iter().zip(self.sum.iter_mut().flatten()) {
+            sum[range.clone()].iter_mut().zip(&light[range.clone()]).for_each(|(sum, c)| *sum += *c);
+        }
+    }
+}
+
 #[inline(always)]
 fn seams<T: Real>(
     seams: &[Seam],
     meetings: &[Meeting<T>],
     around: &Around<'_, T>,
-    begin: usize,
-    [c, x, y, z]: [&mut [T]; 4],
+    to: &mut To<'_, T>,
     stays: impl Fn(&Meeting<T>, Sh<T>, usize) -> Sh<T>,
 ) {
     for seam in seams {
         let meeting = &meetings[seam.meeting as usize];
         let at = seam.at as usize;
-        let light = settle(stays(meeting, around.received(seam, meeting), at));
-        let to = at - begin;
-        [c[to], x[to], y[to], z[to]] = light.0;
+        to.put(at, stays(meeting, around.received(seam, meeting), at));
     }
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
-fn seams_in_step<T: Real>(
-    of: &[Seam],
-    meetings: &[Meeting<T>],
-    around: &Around<'_, T>,
-    begin: usize,
-    to: [&mut [T]; 4],
-) {
+fn seams_in_step<T: Real>(of: &[Seam], meetings: &[Meeting<T>], around: &Around<'_, T>, to: &mut To<'_, T>) {
     let stays = |meeting: &Meeting<T>, received, at| received + meeting.within.apply(at_place(around.here, at));
-    seams(of, meetings, around, begin, to, stays);
+    seams(of, meetings, around, to, stays);
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
-fn seams_ahead<T: Real>(of: &[Seam], meetings: &[Meeting<T>], around: &Around<'_, T>, begin: usize, to: [&mut [T]; 4]) {
-    seams(of, meetings, around, begin, to, |meeting, received, _| meeting.within.solve(received));
-}
-
-fn touched_leaves<T: Real>(leaves: &[Touched<T>], around: &Around<'_, T>, begin: usize, [c, x, y, z]: [&mut [T]; 4]) {
-    for leaf in leaves {
-        let to = leaf.at as usize - begin;
-        [c[to], x[to], y[to], z[to]] = settle(around.touched(leaf)).0;
-    }
+fn seams_ahead<T: Real>(of: &[Seam], meetings: &[Meeting<T>], around: &Around<'_, T>, to: &mut To<'_, T>) {
+    seams(of, meetings, around, to, |meeting, received, _| meeting.within.solve(received));
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+bmi2", "x86_64+avx2+bmi2", "aarch64+neon"))]
-fn inner_runs<T: Real>(
-    inner: &Inner<T>,
-    runs: &[Run],
-    around: &Around<'_, T>,
-    begin: usize,
-    [to_c, to_x, to_y, to_z]: [&mut [T]; 4],
-) {
+fn inner_runs<T: Real>(inner: &Inner<T>, runs: &[Run], around: &Around<'_, T>, to: &mut To<'_, T>) {
     let Inner { share, stay: [mean, direction], .. } = *inner;
     let Around { here: [c, x, y, z], steps: [dx, dy, dz], .. } = *around;
-    for &Run { at, length } in runs {
+    for run in runs {
+        let Run { at, length } = *run;
         let beside = |plane, step| beside(plane, at, step, length);
         let (cx, cy, cz) = (beside(c, dx), beside(c, dy), beside(c, dz));
         let own = |plane| cut(plane, at, length);
-        let to = at - begin..at - begin + length;
+        let row = at - to.begin..at - to.begin + length;
+        let [to_c, to_x, to_y, to_z] = &mut to.light;
         row_mean(
             &share,
             mean,
             own(c),
             [cx, cy, cz],
             [beside(x, dx), beside(y, dy), beside(z, dz)],
-            &mut to_c[to.clone()],
+            &mut to_c[row.clone()],
         );
         let along = |axis, along, p, q, own, to| row_direction(&share, direction, own, [axis, along, p, q], to);
-        along(cx, beside(x, dx), beside(x, dy), beside(x, dz), own(x), &mut to_x[to.clone()]);
-        along(cy, beside(y, dy), beside(y, dx), beside(y, dz), own(y), &mut to_y[to.clone()]);
-        along(cz, beside(z, dz), beside(z, dx), beside(z, dy), own(z), &mut to_z[to.clone()]);
+        along(cx, beside(x, dx), beside(x, dy), beside(x, dz), own(x), &mut to_x[row.clone()]);
+        along(cy, beside(y, dy), beside(y, dx), beside(y, dz), own(y), &mut to_y[row.clone()]);
+        along(cz, beside(z, dz), beside(z, dx), beside(z, dy), own(z), &mut to_z[row.clone()]);
+        to.add_up(*run);
     }
 }
 

@@ -6,7 +6,7 @@ use crate::sh::{Real, Sh};
 use crate::transport::lattice::kernel::occluded::Hard;
 
 /// Walls, by level and cell.
-pub trait Walls {
+pub trait Walls: Sync {
     /// Whether any cell lets less than all light go on.
     fn any(&self) -> bool {
         true
