@@ -23,6 +23,7 @@ use crate::scene::propagation::descent::Descent as Asked;
 use crate::simulation::options::Wanted;
 use crate::simulation::{Refusal, Simulation};
 use crate::transport::descent::{Descent, Grids, Injected, of_problem};
+use crate::transport::state::keep;
 use crate::transport::{self, solve::NoFixedPoint};
 
 /// Under this part of the largest light nobody sees a flicker.
@@ -252,12 +253,14 @@ impl Warm {
         } else {
             descent.run(*iterations, &mut channels.iter_mut().map(Channel::grids).collect::<Vec<_>>());
         }
+        let accumulating = problem.accumulating(0);
         let light = channels.iter_mut().enumerate().map(|(c, channel)| {
             let mut merged = Grid::new(problem.size);
             descent.sample(c, problem.propagation.inside, channel.grids().accumulated, &mut merged);
             let mut rest = merged.clone();
             descent.leave_moved(c, &mut rest);
             channel.moved = Some(rest);
+            keep(&mut merged, accumulating.as_ref());
             merged
         });
         Ok((light.collect(), self.scales.clone()))

@@ -239,7 +239,8 @@ impl<T: Real> Transport<T> for Lattice<T> {
 
     fn step(&mut self, state: &mut State<T>) -> Work {
         let finest = if self.is_fast(state) { self.fast(state, 1, Wanted::Everything) } else { self.plainly(state) };
-        let coarser = self.coarse.as_mut().map(|coarse| coarse.step(state)).unwrap_or_default();
+        let accumulating = self.accumulating.as_ref().map(|cells| cells.as_slice());
+        let coarser = self.coarse.as_mut().map(|coarse| coarse.step(state, accumulating)).unwrap_or_default();
         Work { visited: finest.visited + coarser.visited, dark: finest.dark, volume: finest.volume.max(coarser.volume) }
     }
 

@@ -3,7 +3,7 @@
 use crate::field::{Channels, Grid, IndexVolume, Levels, Marks, Octree, mean_of_children};
 use crate::scene::Problem;
 use crate::scene::propagation::Snapshots;
-use crate::sh::Real;
+use crate::sh::{Real, Sh};
 
 /// Where one cell in so many is marked, or fewer, going from mark to mark is quicker than going through all.
 const FEW: usize = 16;
@@ -177,6 +177,14 @@ pub fn accumulate<T: Real>(light: &Grid<T>, cells: Option<&Marks>, accumulated: 
     }
 }
 
+/// Makes all cells dark but the given ones, if any are given.
+pub fn keep<T: Real>(light: &mut Grid<T>, cells: Option<&Marks>) {
+    if let Some(cells) = cells {
+        let others = light.layout().cells().filter(|cell| !cells.get(*cell));
+        others.for_each(|cell| light.set(cell, Sh::ZERO));
+    }
+}
+
 /// By level the cells of a problem that accumulate light; `None` where all do.
 pub fn accumulating(problem: &Problem, sizes: Levels) -> Option<Vec<Marks>> {
     (0..sizes.count()).map(|level| problem.accumulating(level)).collect()
@@ -185,7 +193,6 @@ pub fn accumulating(problem: &Problem, sizes: Levels) -> Option<Vec<Marks>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sh::Sh;
 
     #[test]
     fn few_marked_cells_are_downsampled_to_what_going_through_all_gives() {

@@ -10,14 +10,14 @@ use std::sync::Arc;
 
 use super::course::{Descent, Grids};
 use super::first_steps::Injected;
-use crate::field::{Grid, Octree};
+use crate::field::{Grid, Marks, Octree};
 use crate::scene::Problem;
 use crate::sh::Real;
 use crate::transport::divergence::{Divergence, limit};
 use crate::transport::kind::{Setup, Transport};
 use crate::transport::options::{Stage, Work};
 use crate::transport::refusal::Refusal;
-use crate::transport::state::{Light, State};
+use crate::transport::state::{Light, State, keep};
 use crate::transport::team;
 
 /// A descent on its way.
@@ -30,6 +30,9 @@ pub struct Staged<T> {
     /// How many of this stage are done.
     done: usize,
     ceiling: Ceiling,
+    /// The finest cells whose light counts, where not all do. The others are dark once merged: leaves need the light of
+    /// their neighbours, whoever looks at it.
+    accumulating: Option<Marks>,
 }
 
 /// What the light cannot exceed.
@@ -71,6 +74,7 @@ impl<T: Real> Staged<T> {
             descent,
             done: 0,
             ceiling,
+            accumulating: problem.accumulating(0),
         })
     }
 
@@ -132,7 +136,7 @@ impl<T: Real> Transport<T> for Staged<T> {
             self.descent.clear();
             self.done = 0;
         }
-        self.ceiling.injected += state.inject(&self.problem, None);
+        self.ceiling.injected += state.inject(&self.problem, self.accumulating.as_ref());
     }
 
     fn downsample(&mut self, state: &mut State<T>) {
@@ -177,6 +181,7 @@ impl<T: Real> Transport<T> for Staged<T> {
         if self.descent.is_under_way() {
             let inside = self.problem.propagation.inside;
             team::inside(|| self.descent.sample(channel, inside, accumulated, merged));
+            keep(merged, self.accumulating.as_ref());
         } else {
             state.index.merge(accumulated, merged);
         }

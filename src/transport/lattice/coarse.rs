@@ -18,7 +18,7 @@ use super::obstacles::Obstacles;
 use crate::field::{Cell, Grid, Levels, Marks};
 use crate::sh::{Real, Sh};
 use crate::transport::options::Work;
-use crate::transport::state::State;
+use crate::transport::state::{State, accumulate};
 
 /// The operators of the coarser levels, and whether their light has still to move for the first time.
 #[derive(Clone, Debug)]
@@ -60,8 +60,9 @@ impl<T: Real> Coarse<T> {
         self.at_rest = true;
     }
 
-    /// One iteration of the coarser levels, after that of the finest, whose new light is in the source.
-    pub(super) fn step(&mut self, state: &mut State<T>) -> Work {
+    /// One iteration of the coarser levels, after that of the finest, whose new light is in the source. `accumulating` has
+    /// by level the cells that accumulate, where not all do.
+    pub(super) fn step(&mut self, state: &mut State<T>, accumulating: Option<&[Marks]>) -> Work {
         let volume = state.sizes().cells() * state.lights.len();
         let finest = state.sizes().finest().pow(3) * state.lights.len();
         let State { lights, index, iteration, .. } = state;
@@ -83,7 +84,8 @@ impl<T: Real> Coarse<T> {
                     leaves.apply_level(i, |level| light.source.level(level), light.target.level_mut(i), None);
                 }
                 std::mem::swap(light.source.level_mut(i), light.target.level_mut(i));
-                light.accumulated.level_mut(i).add_grid(light.source.level(i));
+                let cells = accumulating.map(|cells| &cells[i]);
+                accumulate(light.source.level(i), cells, light.accumulated.level_mut(i));
                 index.level_mut(i).mark_lit(light.source.level(i));
             }
         }

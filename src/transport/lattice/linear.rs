@@ -5,7 +5,6 @@ use super::kernel::form::{Form, Share};
 use super::schemes;
 use super::stencil::Stencil;
 use crate::scene::Problem;
-use crate::scene::occluder::Accumulate;
 use crate::sh::Real;
 use crate::transport::refusal::Refusal;
 
@@ -14,10 +13,6 @@ pub fn linear_form<T: Real>(problem: &Problem, what: &'static str) -> Result<(Fo
     let propagation = &problem.propagation;
     let scheme =
         schemes::find(&propagation.scheme).ok_or_else(|| Refusal::unknown(&propagation.scheme, &schemes::names()))?;
-    let refused = |setting: &str, remedy| Err(Refusal::Underived { what, setting: setting.to_owned(), remedy });
-    if problem.has_occluders() && problem.occlusion.accumulate != Accumulate::Everywhere {
-        return refused("light in occupied cells alone", "accumulate Everywhere");
-    }
     let form = Form::of(&Stencil::<T>::new(&scheme, propagation.factor, propagation.clamp));
     form.map(|form| (form, widened(form.share))).ok_or_else(|| {
         let setting = format!("the scheme {}", propagation.scheme);
