@@ -42,7 +42,7 @@ use super::divergence::Divergence;
 use super::kind::{Capabilities, Kind, Law, Setup, Transport};
 use super::options::{Kernel, Options, Wanted, Work};
 use super::refusal::Refusal;
-use super::state::{State, accumulating};
+use super::state::{State, accumulating, keep};
 use super::team;
 use crate::field::{Cell, Grid, Levels, Marks};
 use crate::scene::Problem;
@@ -289,7 +289,11 @@ impl<T: Real> Transport<T> for Lattice<T> {
     fn sample(&self, state: &State<T>, channel: usize, merged: &mut Grid<T>) {
         match &self.radial {
             None => state.sample(channel, merged),
-            Some(radial) => team::inside(|| radial.sample(state, channel, merged)),
+            Some(radial) => {
+                team::inside(|| radial.sample(state, channel, merged));
+                // A coarse cell with surfaces in it is larger than they are.
+                keep(merged, self.accumulating.as_ref().map(|cells| &cells[0]));
+            }
         }
     }
 

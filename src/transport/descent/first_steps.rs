@@ -10,6 +10,10 @@
 //! [`crate::transport::lattice::exact`] in double precision, by another program, give 0.1280 and 0.2341). With a second
 //! step cell by cell, and leaves as far from where the first has been, it is 0.07 in both (0.0686 and 0.0745). That
 //! takes two more layers of finest cells; where whole walls are lit and little is to be gained they are not worth it.
+//! Over all cells of a level the second step takes next to nothing: after four iterations the lobe in the corner is off by
+//! 0.039 in place of 0.055.
+//!
+//! **Fuzzy occluders** stop light from a certain iteration on. Steps are linear from there, so all before it are first steps.
 
 use std::cmp::Ordering;
 
@@ -25,7 +29,7 @@ use crate::transport::lattice::obstacles::Obstacles;
 /// Steps after which what is left of clamps is left alone.
 const MOST_STEPS: usize = 4;
 
-/// Where one cell in so many is lit, or fewer, a second step over leaves costs little.
+/// Where one cell in so many is lit, or fewer, a second step costs little.
 const FEW: usize = 128;
 
 /// How injected light takes its first steps.

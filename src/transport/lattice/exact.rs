@@ -26,7 +26,7 @@
 //! - [`filter`]: how q goes from a level to the next coarser one.
 //! - [`crossing`]: what crosses a face, and what goes out at the border of the volume.
 //! - [`leaves`], `step`: any tiling of the volume by cells of several levels, and an iteration of it.
-//! - [`walls`]: what stands between them.
+//! - [`walls`]: what stands between them; [`blockers`], `touched`: what weakens light or turns it.
 //! - [`sampling`]: what a coarse cell holds inside.
 //!
 //! Everything is derived for schemes in their linear form ([`super::kernel::form`]). Schemes whose clamp never ceases to
