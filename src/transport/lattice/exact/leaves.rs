@@ -215,33 +215,47 @@ impl<T: Real> Tier<T> {
         }
         let work = work(&enclosed, &others);
         is_touched.iter().for_each(|cell| others.put(*cell, false));
-        let residence = inner.residence.map(T::to_f64).into_iter().fold(1.0, f64::max);
-        let touched = walls.blockers().into_iter().flat_map(|blockers| {
-            let around = Around { blockers, decay, way, level, residence };
+        let longest = inner.residence.map(T::to_f64).into_iter().fold(1.0, f64::max);
+        let residence = (way == Way::Ahead).then_some(longest);
+        let touched = walls.blockers().map(|blockers| {
+            let around = Around { blockers, decay, level, residence };
             let leaf = |cell: &Cell| around.leaf(*cell, layout.index(*cell) as u32, &faces(*cell));
-            is_touched.iter().filter_map(leaf).collect::<Vec<_>>()
+            is_touched.iter().filter_map(leaf).collect()
         });
-        let touched = touched.collect();
-        // Threads build seams slab by slab, and what two of them meet alike is kept twice.
-        let seams_of = |slabs: Range<usize>| {
-            let mut meetings = Meetings::new(share, decay, level, walls);
-            let seam = |cell| {
-                let faces = faces(cell);
-                let meeting = meetings.of(cell, &faces, here.side());
-                Seam { at: layout.index(cell) as u32, meeting, sides: faces.map(|face| face.place) }
-            };
-            let seams: Vec<Seam> = others.cells_of(slabs).map(seam).collect();
-            (seams, meetings.met)
-        };
-        let (mut seams, mut meetings) = (Vec::with_capacity(others.count()), Vec::new());
-        for (built, met) in team::share(slabs(here.side(), SEAM * others.count()), seams_of) {
-            let first = meetings.len() as u32;
-            seams.extend(built.into_iter().map(|seam| Seam { meeting: first + seam.meeting, ..seam }));
-            meetings.extend(met);
-        }
+        let touched = touched.unwrap_or_default();
+        let meetings = || Meetings::new(share, decay, level, walls);
+        let (seams, meetings) = seams(&others, &faces, &meetings);
         let (count, all, runs) = (here.count(), runs(here), runs(&enclosed));
         Tier { marks: here.clone(), count, all, inner, runs, seams, touched, meetings, work }
     }
+}
+
+/// The marked leaves as seams, with what they meet. Threads go through them slab by slab, and what two of them meet alike
+/// is kept twice.
+fn seams<'a, T: Real>(
+    marks: &Marks,
+    faces: &(impl Fn(Cell) -> [Face; 6] + Sync),
+    meetings: &(impl Fn() -> Meetings<'a, T> + Sync),
+) -> (Vec<Seam>, Vec<Meeting<T>>) {
+    let (n, count) = (marks.side(), marks.count());
+    let layout = Layout::new(n);
+    let of_slabs = |slabs: Range<usize>| {
+        let mut meetings = meetings();
+        let seam = |cell| {
+            let faces = faces(cell);
+            let meeting = meetings.of(cell, &faces, n);
+            Seam { at: layout.index(cell) as u32, meeting, sides: faces.map(|face| face.place) }
+        };
+        let seams: Vec<Seam> = marks.cells_of(slabs).map(seam).collect();
+        (seams, meetings.met)
+    };
+    let (mut seams, mut met) = (Vec::with_capacity(count), Vec::new());
+    for (built, others) in team::share(slabs(n, SEAM * count), of_slabs) {
+        let first = met.len() as u32;
+        seams.extend(built.into_iter().map(|seam| Seam { meeting: first + seam.meeting, ..seam }));
+        met.extend(others);
+    }
+    (seams, met)
 }
 
 /// The `n` slabs of a level in runs that threads share, if there is as much to do as in so many inner leaves.

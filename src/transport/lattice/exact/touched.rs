@@ -7,7 +7,6 @@ use glam::DMat4;
 
 use super::blockers::{Blockers, norm};
 use super::decay::Decay;
-use super::leaves::Way;
 use super::meeting::{Beyond, Face};
 use crate::field::Cell;
 use crate::sh::{Real, Sh};
@@ -52,10 +51,9 @@ impl<T: Real> Matrix<T> {
 pub(super) struct Around<'a> {
     pub(super) blockers: &'a Blockers,
     pub(super) decay: &'a Decay,
-    pub(super) way: Way,
     pub(super) level: usize,
-    /// The longest that light resides in a leaf that nothing touches.
-    pub(super) residence: f64,
+    /// If light that stays is to be summed up at once, the longest that it resides in a leaf that nothing touches.
+    pub(super) residence: Option<f64>,
 }
 
 impl Around<'_> {
@@ -81,8 +79,7 @@ impl Around<'_> {
             stays += gained([own_own, beyond_own]) * face.beyond.count() as f64;
             *share = gained([own_beyond, beyond_beyond]);
         }
-        let ahead = (self.way == Way::Ahead).then(|| self.sum(stays)).flatten();
-        let (residence, stays) = match ahead {
+        let (residence, stays) = match self.residence.and_then(|longest| sum(stays, LONGEST * longest)) {
             Some(residence) => (residence, DMat4::ZERO),
             None => (DMat4::IDENTITY, stays),
         };
@@ -95,14 +92,14 @@ impl Around<'_> {
             residence: Matrix::new(residence),
         })
     }
+}
 
-    /// I + D + D² + …, if that is a number and not too large a one: mirrors may send more around in a leaf than ever
-    /// leaves it. Such a leaf takes one step at a time, to the same end if there is one.
-    fn sum(&self, stays: DMat4) -> Option<DMat4> {
-        let sum = (DMat4::IDENTITY - stays).inverse();
-        let mut power = stays;
-        (0..24).for_each(|_| power *= power);
-        let settles = norm(&power) < 1.0;
-        (settles && norm(&sum) <= LONGEST * self.residence).then_some(sum)
-    }
+/// I + D + D² + …, if that is a number and not above `most`: mirrors may send more around in a leaf than ever leaves it.
+/// Such a leaf takes one step at a time, to the same end if there is one.
+fn sum(stays: DMat4, most: f64) -> Option<DMat4> {
+    let sum = (DMat4::IDENTITY - stays).inverse();
+    let mut power = stays;
+    (0..24).for_each(|_| power *= power);
+    let settles = norm(&power) < 1.0;
+    (settles && norm(&sum) <= most).then_some(sum)
 }
