@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::channel::{Channel, Sorter};
-use super::first_steps::{FirstSteps, Injected, Launch};
+use super::first_steps::{self, FirstSteps, Injected, Launch};
 use super::partition::{self, Tiling};
 use super::sample;
 use crate::field::{Cell, Grid, Levels, Marks, Octree};
@@ -91,6 +91,11 @@ impl<T: Real> Descent<T> {
         // Of a leaf that occluders touch what stays, what leaves and what enters are not of one share.
         let among = self.obstacles.as_ref().map_or(0.0, |obstacles| 4.0 * obstacles.norm());
         1.0 + 4.0 * self.residence * sent.max(among)
+    }
+
+    /// How many steps injected light takes cell by cell, at most.
+    pub fn first_steps(&self) -> usize {
+        first_steps::MOST_STEPS.max(self.obstacles.as_ref().map_or(0, |obstacles| obstacles.passing()))
     }
 
     /// Takes up each channel's injected light.

@@ -27,7 +27,7 @@ use crate::transport::lattice::kernel::{Instructions, Level, Order, lies_in_cone
 use crate::transport::lattice::obstacles::Obstacles;
 
 /// Steps after which what is left of clamps is left alone.
-const MOST_STEPS: usize = 4;
+pub(super) const MOST_STEPS: usize = 4;
 
 /// Where one cell in so many is lit, or fewer, a second step costs little.
 const FEW: usize = 128;

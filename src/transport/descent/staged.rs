@@ -40,6 +40,8 @@ pub struct Staged<T> {
 struct Ceiling {
     /// What an iteration multiplies the largest coefficient by, at most.
     norm: f64,
+    /// How many steps injected light takes cell by cell, at most.
+    first_steps: i32,
     injected: f64,
     source: f64,
     accumulated: f64,
@@ -50,8 +52,8 @@ impl Ceiling {
     fn next(self, enters: bool) -> Self {
         // A leaf that is split hands at most eight times its mean to a child.
         let before = if enters { 8.0 * self.accumulated } else { self.accumulated };
-        // Injected light takes up to four steps before the first iteration; what it was on the way stays.
-        let head = self.norm.powi(4) * self.injected;
+        // Injected light takes some steps before the first iteration; what it was on the way stays.
+        let head = self.norm.powi(self.first_steps) * self.injected;
         let source = if enters { self.norm * (head + before) + before } else { self.norm * self.source };
         Ceiling { source, accumulated: before + source + head, ..self }
     }
@@ -67,7 +69,8 @@ impl<T: Real> Staged<T> {
     pub fn new(setup: &Setup) -> Result<Self, Refusal> {
         let Setup { problem, sizes, channels, .. } = setup;
         let descent: Descent<T> = super::of_problem(problem, *sizes, channels.count())?;
-        let ceiling = Ceiling { norm: descent.norm(), injected: 0.0, source: 0.0, accumulated: 0.0 };
+        let (norm, first_steps) = (descent.norm(), descent.first_steps() as i32);
+        let ceiling = Ceiling { norm, first_steps, injected: 0.0, source: 0.0, accumulated: 0.0 };
         Ok(Staged {
             each: problem.propagation.iterations.max(1),
             problem: Arc::clone(problem),
