@@ -56,10 +56,18 @@ fn descents() -> impl Iterator<Item = (&'static Kind, Propagation)> {
     )
 }
 
+/// Every kind that has levels with exact ones, in step and ahead.
+fn exact() -> impl Iterator<Item = (&'static Kind, Propagation)> {
+    settings().filter(|(kind, _)| kind.can.levels).flat_map(|(kind, propagation)| {
+        let of = |levels| (kind, Propagation { levels, factor: 2.0, ..propagation.clone() });
+        [Policy::Exact, Policy::Ahead].map(of)
+    })
+}
+
 /// Those that claim a law; every law is claimed by somebody.
 fn claiming(law: Law) -> Vec<(&'static Kind, Propagation)> {
-    let found: Vec<_> =
-        settings().chain(descents()).filter(|(kind, propagation)| (kind.laws)(propagation).contains(&law)).collect();
+    let all = settings().chain(descents()).chain(exact());
+    let found: Vec<_> = all.filter(|(kind, propagation)| (kind.laws)(propagation).contains(&law)).collect();
     assert!(!found.is_empty(), "{law:?}");
     found
 }

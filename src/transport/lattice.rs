@@ -109,14 +109,19 @@ pub(super) fn bytes(problem: &Problem, sizes: Levels, channels: usize, number: u
     marks + coarse + radial + scheme.map_or(0, |scheme| occlusion::bytes(problem, &scheme, sizes, number))
 }
 
-/// Every face is linear but for its clamp.
+/// Every face is linear but for its clamp. On exact levels light stays in a cell, and is handed on by a filter that loses
+/// some at the border.
 pub(super) fn laws(propagation: &Propagation) -> Vec<Law> {
-    let mut laws = vec![Law::Symmetry, Law::Reach, Law::Shutters, Law::Precision];
+    let mut laws = vec![Law::Symmetry, Law::Shutters, Law::Precision];
     if Solver::new(propagation, 1).is_ok() {
         laws.push(Law::FixedPoint);
     }
     if !propagation.clamp {
-        laws.extend([Law::Superposition, Law::Conservation]);
+        laws.push(Law::Superposition);
+    }
+    if !propagation.levels.is_exact() {
+        laws.push(Law::Reach);
+        laws.extend((!propagation.clamp).then_some(Law::Conservation));
     }
     laws
 }

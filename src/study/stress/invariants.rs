@@ -7,6 +7,7 @@ use std::fmt;
 use std::path::Path;
 
 use crate::scene::occluder::OcclusionMode;
+use crate::scene::propagation::descent::Descent;
 use crate::scene::{Preset, Problem, Propagation};
 use crate::simulation::{Action, Refusal, Simulation};
 use crate::transport::kind::Law;
@@ -116,7 +117,8 @@ struct Case {
     kind: &'static Kind,
     /// Its scheme, where it is a lattice's.
     scheme: Option<Scheme>,
-    /// Every face is clamped, so that light is a sum of lobes with weights of zero or more.
+    /// Every face of every level is clamped, so that light is a sum of lobes with weights of zero or more. Exact levels
+    /// and descents have none.
     clamped: bool,
     /// Nothing stands in the light's way.
     free: bool,
@@ -128,7 +130,8 @@ impl Case {
         let kind = transport::known(&problem.propagation.scheme).map_err(|error| error.to_string())?;
         let scheme = schemes::find(kind.name);
         let all_clamp = scheme.as_ref().is_some_and(|scheme| scheme.faces.iter().all(|face| face.clamp));
-        let clamped = problem.propagation.clamp && all_clamp;
+        let Propagation { clamp, levels, descent, .. } = problem.propagation;
+        let clamped = clamp && all_clamp && !levels.is_exact() && descent == Descent::Off;
         let free = problem.solids.is_empty() || problem.occlusion.mode == OcclusionMode::Off;
         Ok(Case { problem, kind, scheme, clamped, free })
     }
@@ -182,7 +185,7 @@ pub fn check(preset: &Preset) -> Report {
     let (mut narrow, mut wide, stencils) = match started() {
         Ok(started) => started,
         // Some factors have no operator on coarse levels; that is refused by name.
-        Err(Refusal::TooLarge(_)) => return report,
+        Err(Refusal::TooLarge(_) | Refusal::Grows(_)) => return report,
         Err(error) => return Report { broken: runs(error.to_string()), ..report },
     };
     report.checked = case.rules();

@@ -4,8 +4,8 @@ use crate::field::Cell;
 use crate::scene::Preset;
 use crate::scene::injector::{Injector, InjectorKind, Side};
 use crate::scene::occluder::{Axis, BlockingSign, Occluder, OccluderKind, Occlusion, OcclusionMode};
-use crate::scene::propagation::Policy;
-use crate::scene::propagation::{Propagation, Snapshots};
+use crate::scene::propagation::descent::{Descent, LEAST_SIDE};
+use crate::scene::propagation::{Index, Policy, Propagation, Snapshots};
 use crate::system::random::Random;
 use crate::transport;
 
@@ -29,12 +29,12 @@ pub fn preset(random: &mut Random) -> Preset {
         injectors,
         occluders,
         occlusion: occlusion(random),
-        propagation: propagation(random),
+        propagation: propagation(random, size),
         ..Preset::default()
     }
 }
 
-fn propagation(random: &mut Random) -> Propagation {
+fn propagation(random: &mut Random, size: usize) -> Propagation {
     let kinds = transport::kinds();
     let kind = &kinds[random.below(kinds.len())];
     let factor = match random.below(8) {
@@ -55,7 +55,26 @@ fn propagation(random: &mut Random) -> Propagation {
         ..Propagation::default()
     };
     let variants = (kind.variants)(&propagation);
-    variants[random.below(variants.len())].clone()
+    let propagation = variants[random.below(variants.len())].clone();
+    if kind.can.levels { with_coarse_levels(random, size, propagation) } else { propagation }
+}
+
+/// Coarse levels that start the fine ones, or are exact, or are sampled by distance; or as they were.
+fn with_coarse_levels(random: &mut Random, size: usize, propagation: Propagation) -> Propagation {
+    let descent = |descent| Propagation { descent, levels: Policy::Same, ..propagation.clone() };
+    let side = size / 2;
+    match random.below(10) {
+        0 => descent(Descent::Cells),
+        1 => descent(Descent::Leaves { distance: random.between(2.0, 4.0) }),
+        2 if side >= LEAST_SIDE => descent(Descent::Cascades { side, center: None, alone: random.once_in(2) }),
+        3 => Propagation { levels: Policy::Exact, ..propagation },
+        4 => Propagation { levels: Policy::Ahead, ..propagation },
+        5 => {
+            let index = Index::Radial { reach: random.between(1.0, 4.0) };
+            Propagation { levels: Policy::Ahead, index, ..propagation }
+        }
+        _ => propagation,
+    }
 }
 
 fn injector(random: &mut Random, size: usize) -> Injector {

@@ -3,8 +3,8 @@
 use crate::scene::Preset;
 use crate::scene::injector::InjectorKind;
 use crate::scene::occluder::{OccluderKind, Occlusion};
-use crate::scene::propagation::Policy;
-use crate::scene::propagation::Snapshots;
+use crate::scene::propagation::descent::Descent;
+use crate::scene::propagation::{Index, Policy, Snapshots};
 
 /// The smallest preset that can be reached from `preset` by the steps below and for which `shows` holds,
 /// as it does for `preset`.
@@ -39,6 +39,8 @@ fn smaller(preset: &Preset) -> Vec<Preset> {
     propose(&|p| p.occlusion = Occlusion { mode: p.occlusion.mode, ..Occlusion::default() });
     propose(&|p| p.propagation.snapshots = Snapshots::Thesis);
     propose(&|p| p.propagation.levels = Policy::Same);
+    propose(&|p| p.propagation.descent = Descent::Off);
+    propose(&|p| p.propagation.index = Index::Thesis);
     propose(&|p| p.propagation.factor = p.propagation.factor.round());
     for i in 0..preset.injectors.len() {
         propose(&|p| p.injectors[i].color = [1.0; 3]);
