@@ -82,7 +82,7 @@ mod tests {
 
     #[test]
     fn no_random_scene_breaks_a_rule() {
-        let outcome = run(1, 150, |_| ());
+        let outcome = run(1, 250, |_| ());
         assert_eq!(outcome.findings, []);
         // Rules that were never held against anything would not be worth their name.
         assert!(outcome.checked.iter().all(|(_, count)| *count >= 10), "{outcome:?}");

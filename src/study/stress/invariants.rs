@@ -185,7 +185,7 @@ pub fn check(preset: &Preset) -> Report {
     let (mut narrow, mut wide, stencils) = match started() {
         Ok(started) => started,
         // Some factors have no operator on coarse levels; that is refused by name.
-        Err(Refusal::TooLarge(_) | Refusal::Grows(_)) => return report,
+        Err(Refusal::TooLarge(_) | Refusal::Grows(_) | Refusal::Underived { .. }) => return report,
         Err(error) => return Report { broken: runs(error.to_string()), ..report },
     };
     report.checked = case.rules();
@@ -212,7 +212,7 @@ fn step_through(
     }
     let mut watch = steps::Watch::new(case, stencils, narrow);
     watch.check(rules, narrow, wide)?;
-    for _ in 0..case.problem.propagation.iterations {
+    for _ in 0..case.problem.actions() {
         narrow.act(Action::Propagate);
         if narrow.divergence().is_some() {
             break;

@@ -15,8 +15,13 @@ pub fn linear_form<T: Real>(problem: &Problem, what: &'static str) -> Result<(Fo
         schemes::find(&propagation.scheme).ok_or_else(|| Refusal::unknown(&propagation.scheme, &schemes::names()))?;
     let form = Form::of(&Stencil::<T>::new(&scheme, propagation.factor, propagation.clamp));
     form.map(|form| (form, widened(form.share))).ok_or_else(|| {
-        let setting = format!("the scheme {}", propagation.scheme);
-        Refusal::Underived { what, setting, remedy: "use a scheme with one face ahead and four beside it" }
+        let is_the_factor = Form::of(&Stencil::<f64>::new(&scheme, 1.0, propagation.clamp)).is_some();
+        let (setting, remedy) = if is_the_factor {
+            (format!("the factor {:e}", propagation.factor), "use a smaller one")
+        } else {
+            (format!("the scheme {}", propagation.scheme), "use a scheme with one face ahead and four beside it")
+        };
+        Refusal::Underived { what, setting, remedy }
     })
 }
 
