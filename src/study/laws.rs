@@ -10,6 +10,7 @@ use crate::simulation::{Action, Simulation};
 use crate::transport;
 use crate::transport::kind::Precision;
 use crate::transport::lattice::face::Direction;
+use crate::transport::solve::NoFixedPoint;
 
 /// Differences below this are what loops leave out that set to zero what is fainter than 1e-30.
 const FAINT: f64 = 1e-26;
@@ -138,7 +139,12 @@ pub fn fixed_point(problem: &Problem, slack: f64, patience: usize) -> Result<(),
         }
         iterated.act(Action::Propagate);
     }
-    let Some(solved) = transport::solve(&problem, 1e-6, |_| true).map_err(told)? else { return Ok(()) };
+    let solved = match transport::solve(&problem, 1e-6, |_| true) {
+        Ok(Some(solved)) => solved,
+        // Some light never comes to where no clamp acts; that is refused by name.
+        Ok(None) | Err(NoFixedPoint::Clamped { .. }) => return Ok(()),
+        Err(error) => return Err(told(error)),
+    };
     for (channel, (light, solved)) in iterated.lights().iter().zip(&solved.light).enumerate() {
         near(light.accumulated.level(0), |cell, light| solved.get(cell).widen() - light.widen(), slack)
             .map_err(|how| format!("channel {channel}: {how}"))?;

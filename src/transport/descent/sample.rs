@@ -6,6 +6,7 @@ use crate::sh::{Real, Sh};
 use crate::transport::lattice::exact::leaves::Leaves;
 use crate::transport::lattice::exact::sampling::{self, Neighbour};
 use crate::transport::lattice::face::Direction;
+use crate::transport::lattice::kernel::settle;
 use crate::transport::lattice::kernel::step::pieces;
 use crate::transport::team;
 
@@ -71,7 +72,7 @@ pub(super) fn split<T: Real>(
                 }
             });
             for (child, weight) in sampling::children(cell, halves) {
-                finer.set(child, value * T::of(weight));
+                finer.set(child, settle(value * T::of(weight)));
             }
         }
     });

@@ -90,7 +90,7 @@ impl<T: Real> Leaves<T> {
             for (next, light) in next.planes_mut().into_iter().zip(light.planes_mut()) {
                 pairs(all, begin, next, light, |next, light| {
                     let new = *next;
-                    *next = new - *light;
+                    *next = settle_number(new - *light, T::of(FLOOR));
                     *light = new;
                 });
             }
