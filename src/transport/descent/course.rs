@@ -101,7 +101,7 @@ impl<T: Real> Descent<T> {
     /// Takes up each channel's injected light.
     pub fn take_up(&mut self, injected: &mut [Injected<'_, T>]) {
         let obstacles = self.obstacles.as_deref();
-        let launch = Launch { form: &self.form, obstacles, snapshots: self.snapshots, tiling: self.tiling };
+        let launch = Launch { form: &self.form, obstacles, snapshots: self.snapshots };
         let heads: Vec<FirstSteps<T>> =
             injected.iter_mut().enumerate().map(|(colour, light)| launch.run(colour, light)).collect();
         let mut near = Marks::new(self.sizes.finest());
