@@ -11,7 +11,7 @@ mod slabs;
 
 pub use channels::{Channels, Share};
 pub use distance::squared_distances;
-pub use grid::{Cell, CellList, Grid, Layout};
+pub use grid::{Cell, CellList, Grid, Layout, memory_order};
 pub use index_volume::{IndexVolume, Marks, row_mask};
 pub use octree::{Levels, Octree, downsample_into, mean_of_children};
 pub use slabs::Slabs;

@@ -5,6 +5,11 @@ use crate::sh::{Real, Sh};
 /// A cell's place in its grid: (x, y, z), each from 0 to n − 1.
 pub type Cell = [usize; 3];
 
+/// What cells are compared by to be in the order of memory: x fastest, z slowest.
+pub fn memory_order([x, y, z]: Cell) -> [usize; 3] {
+    [z, y, x]
+}
+
 /// Cells with their light, in the order of memory: x fastest, z slowest.
 pub type CellList<T> = Vec<(Cell, Sh<T>)>;
 

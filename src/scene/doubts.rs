@@ -10,7 +10,7 @@ use super::error::{Fault, Step};
 use super::injector::{Injector, InjectorKind};
 use super::occluder::OcclusionMode;
 use super::{Preset, Problem, Source};
-use crate::field::Cell;
+use crate::field::{Cell, memory_order};
 use crate::sh::Sh;
 
 /// How far above a cosine's a lobe may be, in proportion: rounding in single precision, many sums long.
@@ -39,9 +39,8 @@ fn shut_in(problem: &Problem, light: &[(Cell, Sh<f64>)]) -> Option<Fault> {
     if problem.occlusion.mode != OcclusionMode::Hard || problem.solids.is_empty() {
         return None;
     }
-    let order = |cell: Cell| [cell[2], cell[1], cell[0]];
     let opaque = |cell: Cell| {
-        let found = problem.solids.binary_search_by_key(&order(cell), |solid| order(solid.cell));
+        let found = problem.solids.binary_search_by_key(&memory_order(cell), |solid| memory_order(solid.cell));
         found.is_ok_and(|i| problem.solids[i].opacity.iter().all(|opacity| *opacity >= 1.0))
     };
     let is_shut = |cell: Cell| {

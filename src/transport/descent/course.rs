@@ -6,7 +6,7 @@ use super::channel::{Channel, Sorter};
 use super::first_steps::{self, FirstSteps, Injected, Launch};
 use super::partition::{self, Tiling};
 use super::sample;
-use crate::field::{Cell, Grid, Levels, Marks, Octree};
+use crate::field::{Cell, Grid, Levels, Marks, Octree, memory_order};
 use crate::scene::propagation::Snapshots;
 use crate::scene::propagation::descent::Inside;
 use crate::sh::{Real, Sh};
@@ -296,12 +296,11 @@ impl<T: Real> Descent<T> {
         let mut holds = Marks::new(self.sizes.side(j));
         found.held(j, j).iter().for_each(|(cell, _)| holds.set(*cell));
         let light = |i: usize, cell: Cell| {
-            let order = |[x, y, z]: Cell| [z, y, x];
             let (held, accumulated) = (found.held(j, i), accumulated.level(i).get(cell));
             if i == j && !holds.get(cell) {
                 return accumulated;
             }
-            match held.binary_search_by_key(&order(cell), |(cell, _)| order(*cell)) {
+            match held.binary_search_by_key(&memory_order(cell), |(cell, _)| memory_order(*cell)) {
                 Ok(at) => accumulated - held[at].1,
                 Err(_) => accumulated,
             }

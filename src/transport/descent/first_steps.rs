@@ -17,7 +17,7 @@
 
 use std::cmp::Ordering;
 
-use crate::field::{Cell, CellList, Grid, Marks};
+use crate::field::{Cell, CellList, Grid, Marks, memory_order};
 use crate::scene::propagation::Snapshots;
 use crate::sh::{Real, Sh};
 use crate::transport::lattice::kernel::form::Form;
@@ -146,10 +146,9 @@ impl<T: Real> Launch<'_, T> {
 fn sum<T: Real>(a: CellList<T>, b: impl Iterator<Item = (Cell, Sh<T>)>) -> CellList<T> {
     let mut sum: CellList<T> = Vec::with_capacity(a.len());
     let (mut a, mut b) = (a.into_iter().peekable(), b.peekable());
-    let order = |cell: Cell| [cell[2], cell[1], cell[0]];
     loop {
         let next = match (a.peek(), b.peek()) {
-            (Some((here, _)), Some((there, _))) => order(*here).cmp(&order(*there)),
+            (Some((here, _)), Some((there, _))) => memory_order(*here).cmp(&memory_order(*there)),
             (Some(_), None) => Ordering::Less,
             (None, Some(_)) => Ordering::Greater,
             (None, None) => return sum,

@@ -45,7 +45,7 @@ impl<T: Real> Obstacles<T> {
             problem.solids.iter().for_each(|solid| near.set(solid.cell));
         } else {
             touched.cells.iter().for_each(|cell| near.set(*cell));
-            let turns = scheme.surface == Surface::Mirrored || problem.occlusion.bounce != 0.0;
+            let turns = turns(problem, &scheme);
             let of = |blocks| by_colour(problem, sizes, &scheme, if turns { colours } else { 1 }, blocks);
             blockers = of(true)?;
             if turns && from_iteration > LINEAR_FROM {
@@ -122,7 +122,7 @@ pub fn bytes(problem: &Problem, sizes: Levels, colours: usize, number: usize) ->
     if acts == Acts::Hard {
         return law;
     }
-    let turns = acts == Acts::Mirrored || problem.occlusion.bounce != 0.0;
+    let turns = turns(problem, &scheme);
     let late = turns && problem.occlusion.from_iteration > LINEAR_FROM;
     let of_level = |level: usize| {
         let touched = acts.touched(problem, sizes, level) as usize;
@@ -131,6 +131,11 @@ pub fn bytes(problem: &Problem, sizes: Levels, colours: usize, number: usize) ->
     };
     let all: usize = (0..sizes.count()).map(of_level).sum();
     law + (all * if turns { colours } else { 1 }) as u64
+}
+
+/// Whether what is not hard turns light, each colour as its albedo has it.
+fn turns(problem: &Problem, scheme: &Scheme) -> bool {
+    scheme.surface == Surface::Mirrored || problem.occlusion.bounce != 0.0
 }
 
 /// What acts otherwise than hard occluders do, by colour.

@@ -22,7 +22,7 @@ use std::collections::BTreeMap;
 
 use glam::DMat4;
 
-use crate::field::{Cell, Levels};
+use crate::field::{Cell, Levels, memory_order};
 use crate::transport::lattice::face::Direction;
 
 /// A matrix for light that travels in each of [`Direction::ALL`].
@@ -74,7 +74,7 @@ impl Blockers {
     /// The means of a cell of a level, if anything touches it.
     pub(super) fn means(&self, level: usize, cell: Cell) -> Option<Means<'_>> {
         let touched = &self.levels[level];
-        let at = touched.cells.binary_search_by_key(&order(cell), |cell| order(*cell)).ok()?;
+        let at = touched.cells.binary_search_by_key(&memory_order(cell), |cell| memory_order(*cell)).ok()?;
         Some(Means { inside: touched.inside.get(at).unwrap_or(&self.free), entering: &touched.entering[at] })
     }
 
@@ -104,20 +104,15 @@ pub(super) fn norm(matrix: &DMat4) -> f64 {
     (0..4).map(|row| matrix.row(row).abs().element_sum()).fold(0.0, f64::max)
 }
 
-/// The order of memory.
-fn order([x, y, z]: Cell) -> Cell {
-    [z, y, x]
-}
-
 impl Level {
     /// The cells that hold any of these, which are `h` finest cells wide.
     fn parents(&self, free: &Ways, h: f64) -> Self {
-        let mut parents: BTreeMap<Cell, [Ways; 2]> = BTreeMap::new();
+        let mut parents: BTreeMap<[usize; 3], [Ways; 2]> = BTreeMap::new();
         // In units of h²: 8·(h − 1) faces inside the children and 4 between them; 4 by which light enters.
         let (of_inside, of_entering) = (1.0 / (8.0 * h - 4.0), 0.25);
         for (i, cell) in self.cells.iter().enumerate() {
             let (child_inside, child_entering) = (self.inside.get(i).unwrap_or(free), &self.entering[i]);
-            let [inside, entering] = parents.entry(order(cell.map(|c| c / 2))).or_insert([*free, *free]);
+            let [inside, entering] = parents.entry(memory_order(cell.map(|c| c / 2))).or_insert([*free, *free]);
             for (d, direction) in Direction::ALL.into_iter().enumerate() {
                 inside[d] += (child_inside[d] - free[d]) * ((h - 1.0) * of_inside);
                 let is_lower = cell[direction.axis()] % 2 == 0;
@@ -130,8 +125,8 @@ impl Level {
             }
         }
         let mut level = Level::default();
-        for (at, [inside, entering]) in parents {
-            level.cells.push(order(at));
+        for ([z, y, x], [inside, entering]) in parents {
+            level.cells.push([x, y, z]);
             level.inside.push(inside);
             level.entering.push(entering);
         }
